@@ -10,7 +10,7 @@
 
 namespace mpdem {
 
-// The added mass of a node is divided between its two sides by their shares of its stiffness.
+// The added mass of a node is divided between the two grains by their shares of its stiffness.
 void AddedMass::find(const PenaltyLinks& links, Grid& grid, const BondEnd* ends, const Stability& s,
                      const std::vector<std::unique_ptr<BondMechanism>>& mechanisms) {
   constexpr double kMargin = 1.05;
@@ -84,7 +84,7 @@ void for_each_share(const AddedMass& added, F f) {
   }
 }
 
-// Calls f(node, mass, side, vector from the centre of its grain) for all added mass.
+// Calls f(node, mass, end, vector from the centre of its grain) for all added mass.
 template <class Side, class F>
 void for_each(const AddedMass& added, const Grid& grid, Side* side, F f) {
   for_each_share(added, [&](const AddedMass::Share& a) {
@@ -181,8 +181,9 @@ void AddedMass::add_jumps(Grid& grid, BondEnd* ends, bool at_start) const {
   });
 }
 
-// A node of the inertia N against its grain that takes up C more is slowed to (N/(N + C))^(1/2) of its velocity against the
-// grain. The force of the last step acts on half of the motion of this one, so the change of the velocity changes its work.
+// A node of inertia N relative to its grain that gains C more is slowed to (N/(N + C))^(1/2) of its velocity relative
+// to the grain. The force of the last step acts on half of the motion of this one, so the change of the velocity
+// changes its work.
 double AddedMass::add_to_nodes(const std::vector<Share>& before, Grid& grid, BondEnd* ends, double later, double dt) const {
   std::vector<double> change(grid.velocity.size(), 0.0);
   const std::vector<char>& counts = grid.halo.counts_here();

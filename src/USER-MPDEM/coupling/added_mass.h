@@ -6,15 +6,15 @@
 // If the row sum k of the penalty stiffness is too stiff for the time step, the inertia of the node is raised just
 // enough. A damper g acts on the velocity of half a step ago and counts as a spring 2 g/dt. A step is stable if
 //   k dt^2 + 2 g dt <= 4 m.
-// Added mass c is the inertia of the motion u - R of the node against its grain, R being the motion of the grain at
-// the place of the node. The force on the node is -c (u - R)''. The opposite force acts on the grain at the same
-// place, so momentum and angular momentum stay exact.
+// Added mass c is the inertia of the motion u - R of the node against its grain, where R is the rigid motion of the
+// grain at the node. The force on the node is -c (u - R)''. The opposite force acts on the grain at the position of the
+// node, so momentum and angular momentum are exact.
 //
-// A free grain gives way, and then the node's own mass does part of the work of c. For any t
+// A free grain moves under the load of its links, and then the node's own mass does part of the work of c. For any t
 //   (u - R)^2 <= (1 + t) u^2 + (1 + 1/t) R^2.
 // So links to a free grain count (1 + t)-fold, with t the mass of the cement over the inertia of the grain against it
-// (`mass_ratio`). The kinetic energy of the grain then covers the rest. grain_accelerations.h has the accelerations
-// of free grains.
+// (`mass_ratio`). The kinetic energy of the grain then covers the rest. grain_accelerations.h has the accelerations of
+// free grains.
 #ifndef MPDEM_COUPLING_ADDED_MASS_H
 #define MPDEM_COUPLING_ADDED_MASS_H
 
@@ -29,54 +29,53 @@
 
 namespace mpdem {
 
-// `side` always points to the first of the two sides of the bond. The second follows it.
+// `ends` points to end 0 of the bond. End 1 follows it.
 class AddedMass {
  public:
   // The time step and the largest eigenvalue of the cement. Eigenvalues are squares of angular frequencies.
   struct Stability {
     double dt = 0;
     double lambda = 0;             // largest eigenvalue of the cement
-    bool lambda_is_bound = false;  // lambda is a bound for a grid without ties, see Grid::tie_factor()
+    bool lambda_is_bound = false;  // lambda is a bound for a grid without constrained nodes, see Grid::tie_factor()
     double bound = 4;              // largest stable dt^2 lambda
   };
   // Collective among the ranks that share the nodes. Finds the least mass c that keeps the central difference stable
-  // when the penalty k of links and of parts of the bond comes on top of the cement. At every node dt^2 (lambda m + k) <= bound
-  // (m + c) holds. Most nodes need no added mass.
+  // when the penalty k of links and mechanisms acts in addition to the cement: dt^2 (lambda m + k) <= bound (m + c) at
+  // every node. Most nodes need no added mass.
   void find(const PenaltyLinks& links, Grid& grid, const BondEnd* ends, const Stability& s,
             const std::vector<std::unique_ptr<BondMechanism>>& mechanisms = {});
 
-  // Added mass of a node. The links may be on any rank.
+  // Added mass of a node, due to links on any rank.
   struct Share {
     int node;
-    double mass[2];  // of the links to each side
+    double mass[2];  // of the links to each grain
   };
   std::vector<Share> shares() const;
-  // Shares are kept eight side by side. EightNodes has what is equal in bonds of one shape.
+  // Shares of eight nodes, one a lane. EightNodes has the data that bonds of one shape share.
   struct EightMasses {
     vd mass[2];  // 0 in the lanes beyond the last share; these lanes have the node of the first share
-    vd added;    // added mass of the nodes, of both sides
+    vd added;    // added mass of the nodes, for both grains
   };
   const std::vector<EightMasses>& masses() const { return masses_; }
   const SharedList<EightNodes>& nodes() const { return nodes_; }
   bool empty() const { return masses_.empty(); }
-  // Added mass of each node.
   const SharedList<double>& of_nodes() const { return mass_; }
 
-  // Slows nodes whose added mass is more than in `before` against the grains: the energy of this motion stays. Velocities
-  // are ahead of the stored ones by `later` times the acceleration, and hold for the step dt that comes. The
-  // grains have made this step already. The momentum that nodes lose
-  // goes to the grains over this step, as force of a transfer. Returns the energy that the cement loses beyond its work on
-  // the grains, without that of the added mass.
+  // Slows nodes against the grains where the added mass exceeds that in `before`, so that the energy of this relative
+  // motion is kept. Velocities are ahead of the stored ones by `later` times the acceleration, and apply to the coming
+  // step dt, which the grains have made already. The momentum that nodes lose goes to the grains over this step, as a
+  // transfer force. Returns the energy that the cement loses beyond its work on the grains, without that of the added
+  // mass.
   double add_to_nodes(const std::vector<Share>& before, Grid& grid, BondEnd* ends, double later, double dt) const;
 
-  // Adds the force that takes the added mass along with its grains to the nodes, without its reaction.
+  // Adds to the nodes the force that accelerates the added mass with its grains, without its reaction.
   void move_added_mass(Grid& grid, const BondEnd* ends) const;
   // Finds the accelerations of the nodes. The forces on nodes must be summed over ranks. Added mass moves with its
-  // grain: the force that takes it along is added to the nodes, and its reaction to the grains, before their sum over ranks.
+  // grain: the force for this is added to the nodes, and its reaction to the grains, before their sum over ranks.
   void accelerate(Grid& grid, BondEnd* ends) const;
   // Added mass follows the jumps of its grains as it follows their accelerations: a node of mass m takes the share c/(m
-  // + c) of a jump. Adds `rate` times this share to the accelerations, and grain_rate times the reaction to the forces of jumps on the grains.
-  // weight: acceleration by gravity that acts on the mass of nodes.
+  // + c) of a jump. Adds `rate` times this share to the accelerations, and grain_rate times the reaction to the jump
+  // forces on the grains. weight: acceleration by gravity that acts on the mass of nodes.
   struct Followed {
     double of_weight = 0.0, of_inertial_force = 0.0;  // power of these forces on the changes of velocity, on nodes that this rank counts
   };
@@ -84,34 +83,34 @@ class AddedMass {
   // Adds the jumps as forces on nodes and grains. at_start: the added mass moved with the nodes so far, so its jump is
   // the velocity of the grains less that of the nodes.
   void add_jumps(Grid& grid, BondEnd* ends, bool at_start) const;
-  // Adds the reaction to a transfer to the grains. The transfer changes the velocity of nodes as the acceleration
-  // scale * field does.
+  // Adds to the grains the reaction to a transfer, which changes the velocity of nodes as the acceleration scale *
+  // field does.
   void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, BondEnd* ends) const;
 
   // Work of the reaction of add_reaction() on the grains, divided by its scale.
   double work_of_reaction(const Grid& grid, const BondEnd* ends, const std::vector<double>& field) const;
   // Power of added mass times its acceleration relative to the grains, on the velocity `field` of the nodes.
   double power(const Grid& grid, const BondEnd* ends, const std::vector<double>& field) const;
-  // Kinetic energy relative to the grains, c/2 v.w. v is the stored velocity plus `early` times the acceleration, w is
-  // v with `late` in the place of `early`.
+  // Kinetic energy relative to the grains, c/2 v.w. v is the stored velocity plus `early` times the acceleration, w the
+  // same with `late`.
   double energy(const Grid& grid, const BondEnd* ends, double early = 0.0, double late = 0.0) const;
   // Kinetic energy relative to the grains at the end of a drift whose grains have moved already. The velocities of the
-  // grains are taken without the last jumps. Those of nodes include `later` times the acceleration.
+  // grains exclude the last jumps. Those of nodes include `later` times the acceleration.
   double energy_ahead(const Grid& grid, const BondEnd* ends, double later) const;
-  // Adds the added mass of each side to mass[2], for the nodes that this rank counts.
+  // Adds the added mass at each end to mass[2], for the nodes that this rank counts.
   void add_to_ends(const Grid& grid, double* mass) const;
 
-  // Shares lists with other bonds that have equal ones.
+  // Shares lists with bonds that have equal ones.
   void share(AlikeLists& alike);
   std::size_t memory_usage() const;
 
  private:
   void carry(Grid& grid, BondEnd* ends) const;
   void keep(const std::vector<Share>& shares, const Grid& grid);
-  SharedList<double> mass_;  // one number for each node
+  SharedList<double> mass_;  // of each node, for both grains
   std::vector<EightMasses> masses_;
   SharedList<EightNodes> nodes_;
-  SharedList<std::array<int, 2>> without_;  // [first, end) of rows of nodes that are not tied and have no added mass
+  SharedList<std::array<int, 2>> without_;  // ranges of nodes that are not constrained and have no added mass
 };
 
 }  // namespace mpdem

@@ -11,7 +11,7 @@ namespace mpdem {
 namespace {
 constexpr int kMotion = 27;  // present, x, v, omega, q, a, alpha, mass_ratio, jump
 
-// Turns a vector from the axes of the box to those of a side.
+// Rotates a vector from the axes of the box to those of an end.
 void take(const BondEnd& s, const double* of_box, double* to) {
   const std::array<double, 3> v = turned_back(s.axes, of_box);
   std::copy(v.begin(), v.end(), to);

@@ -1,25 +1,26 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Bilinear cohesive law with damage: springs that soften past a strength and let go once they took an energy per area.
+// Bilinear cohesive law with damage: springs that soften beyond a strength and debond once they have dissipated an
+// energy per area.
 //
 //   opening      lambda^2 = <delta_n>^2 + (kt/kn) delta_t^2,  <.> the positive part
-//   mixed mode   B = (kt/kn) delta_t^2/lambda^2, from 0 of opening to 1 of shear: the share of shear in the energy
+//   mixed mode   B = (kt/kn) delta_t^2/lambda^2, from 0 for opening to 1 for shear: the share of shear in the energy
 //   onset        lambda0 by (tn/t)^2 of either mode: (kn lambda0)^2 ((1 - B)/tn^2 + B (kt/kn)/tt^2) = 1
 //   end          lambdaf = 2 G/(kn lambda0) with 1/G = (1 - B)/Gn + B/Gt
 //   damage       d = lambdaf (lambda - lambda0)/(lambda (lambdaf - lambda0)), from 0 to 1; it never falls
 //   traction     (1 - d) of the penalty, 1 - d/2 of it under compression; none once d is 1
-//                given up: kn <-delta_n>^2/4 times the change of d by shear, and kn <-delta_n>^2/4 when d reaches 1
+//                released: kn <-delta_n>^2/4 times the change of d by shear, and kn <-delta_n>^2/4 when d reaches 1
 //   dissipated   by a step of damage at one mode, in closed form: G lambda0 d/(lambdaf - d (lambdaf - lambda0))
 //
-// Stiffness under compression falls to a half, since added mass (added_mass.h) leaves a node that only links hold just
-// stable. Take a crumb that bounces between a link that is closed at full stiffness and one that is open and soft. It
-// gets three times its energy in each bounce, averaged over the phases of the steps. With half the stiffness the factor is 1.01.
+// Stiffness under compression falls to a half, since added mass (added_mass.h) makes a node that only links connect
+// just stable. A fragment that bounces between a closed link of full stiffness and an open soft link would get three
+// times its energy in each bounce, averaged over the phases of the steps. With half the stiffness the factor is 1.01.
 //
-// So a link bears tn and takes Gn under opening, and tt and Gt under shear, however large the steps are. The onset is
-// the quadratic criterion of stress, the end the linear criterion of energies. Both are written in the opening of
-// Camacho & Ortiz (Int. J. Solids Struct. 33 (1996) 2899), with the damage of Turon, Camanho, Costa & Davila (Mech.
-// Mater. 38 (2006) 1072).
+// So a link carries at most tn and dissipates Gn under opening, and tt and Gt under shear, however large the steps are.
+// The onset is the quadratic criterion of stress, the end the linear criterion of energies. Both are written in the
+// opening of Camacho & Ortiz (Int. J. Solids Struct. 33 (1996) 2899), with the damage of Turon, Camanho, Costa & Davila
+// (Mech. Mater. 38 (2006) 1072).
 #ifndef MPDEM_COUPLING_COHESIVE_TRACTION_H
 #define MPDEM_COUPLING_COHESIVE_TRACTION_H
 
@@ -65,7 +66,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
     return {{E * Gn_ / (tn_ * tn_), "E Gn/tn^2", "a larger 'Gn' or a smaller 'tn'"},
             {G * Gt_ / (tt_ * tt_), "G Gt/tt^2", "a larger 'Gt' or a smaller 'tt'"}};
   }
-  // The elastic energy at the strength must be below G in each mode. Mixed modes meet this if both pure modes do.
+  // The elastic energy at the strength must be below G in each mode. Mixed modes satisfy this if both pure modes do.
   std::string trouble() const override {
     const double of_n = 0.5 * tn_ * tn_ / stiffness().kn, of_t = 0.5 * tt_ * tt_ / stiffness().kt;
     const auto told = [](const char* G, double value, double least, const char* t, const char* k) {
@@ -105,7 +106,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
  private:
   static constexpr double kSoftClosed = 0.5;
   double tn_, tt_, Gn_, Gt_;
-  double least_square_;  // of the separation, as in update(), below which no damage grows in any mode
+  double least_square_;  // square of the separation lambda of update() below which no damage grows in any mode
 };
 
 }  // namespace mpdem

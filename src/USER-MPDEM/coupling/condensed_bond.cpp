@@ -139,7 +139,8 @@ CondensedMotion::Vector12 CondensedMotion::rate(const BondEnd* ends) const {
   return of_ends(a[0], a[1]);
 }
 
-// The places have moved on since then. Their rotation since then appears as centripetal acceleration. It is not in the momentum of that time.
+// The positions have rotated since then. This appears as centripetal acceleration, which is not in the momentum of that
+// time.
 CondensedMotion::Vector12 CondensedMotion::momentum_before(const CondensedModel& model, const BondEnd* ends, double half) const {
   BondEnd turning_alone[2] = {ends[0], ends[1]};
   for (BondEnd& s : turning_alone)

@@ -4,19 +4,23 @@
 // A condensed bond: cement in static equilibrium under its two grains. Six numbers d, their relative motion, describe
 // it. It has no state but the motion of its grains.
 //
-// Q_s is the rotation of grain s since the creation, c the middle of the contact at that time, and p_s the place in grain s that was at c:
+// Q_s is the rotation of grain s since the creation, c the middle of the contact at that time, and p_s the material
+// point of grain s that was at c:
 //
-//   theta = log(Q_0^T Q_1)     Q = Q_0 exp(theta/2)     delta = Q^T (p_1 - p_0)     d = (delta, theta)     U = d.K d/2
+//   theta = log(Q_0^T Q_1)     Q = Q_0 exp(theta/2)     delta = Q^T (p_1 - p_0)     d = (delta, theta)
+//   U = d.K d/2
 //
-// Forces and moments are derivatives of U. U does not change when both grains move as one, so momentum, angular
-// momentum and energy are kept for any rotation. Forces and moments differ from those of the resolved bond by terms of the order of its strain.
+// Forces and moments are derivatives of U. U does not change when both grains move as one rigid body, so momentum,
+// angular momentum and energy are kept for any rotation. Forces and moments differ from those of the resolved bond by
+// terms of the order of its strain.
 //
 // The nodes move with q = (w_0, omega_0, w_1, omega_1): velocity of p_s and angular velocity, in the axes Q:
 //
-//   v(X) = Q [ (P - u) (w_0, omega_0) + u (w_1, omega_1) ],   P = rigid motion about the middle, u = the six static fields
+//   v(X) = Q [ (P - u) (w_0, omega_0) + u (w_1, omega_1) ]
 //
-// With M = sum m (P - u, u)^T (P - u, u) the kinetic energy is q.M q/2 and the inertia loads are -M q'. Here q'
-// includes the centripetal accelerations of p_s. Nodes have further centripetal accelerations. Their load is N : (omega omega^T - omega^2).
+// with P the rigid motion about the middle and u the six static fields. With M = sum m (P - u, u)^T (P - u, u) the
+// kinetic energy is q.M q/2 and the inertia loads are -M q'. Here q' includes the centripetal accelerations of p_s.
+// Nodes have further centripetal accelerations, whose load is N : (omega omega^T - omega^2).
 #ifndef MPDEM_COUPLING_CONDENSED_BOND_H
 #define MPDEM_COUPLING_CONDENSED_BOND_H
 
@@ -35,12 +39,12 @@ struct CondensedModel {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
-  Vector3 middle = Vector3::Zero();  // of the contact at the creation, from the origin of the body
+  Vector3 middle = Vector3::Zero();  // of the contact at the creation, from the origin of the bond
   Matrix6 K = Matrix6::Zero();
   Matrix12 M = Matrix12::Zero();
   Eigen::Matrix<double, 12, 9> N = Eigen::Matrix<double, 12, 9>::Zero();  // its columns follow the rows of a 3 by 3 matrix
 
-  // Adds a node of mass m at X with its row of the six fields, field(component, motion).
+  // Adds a node of mass m at X with its values of the six static fields, field(component, motion).
   void add_node(double m, const Vector3& X, const Eigen::Matrix<double, 3, 6>& field);
   // Largest value of 2 |q_0.M_01 q_1| over q_0.M_00 q_0 + q_1.M_11 q_1. Call find_coupling() when M is complete.
   double coupling = 0.0;
@@ -56,7 +60,7 @@ struct GrainLoads {
   void add_to(BondEnd* ends) const;
 };
 
-// The motion of the grains as a condensed bond sees it. `side` points to the first of its two sides. The second follows it.
+// `ends` points to end 0 of the bond. End 1 follows it.
 class CondensedMotion {
  public:
   using Vector3 = Eigen::Vector3d;
@@ -71,22 +75,23 @@ class CondensedMotion {
   double energy(const CondensedModel& model) const { return 0.5 * d_.dot(model.K * d_); }
   GrainLoads elastic(const CondensedModel& model) const;
 
-  // velocity() returns the velocities (v, omega) of the sides plus `later` times their accelerations, as q. rate()
+  // velocity() returns the velocities (v, omega) of the ends plus `later` times their accelerations, as q. rate()
   // returns the accelerations as q'.
   Vector12 velocity(const BondEnd* ends, double later) const;
   Vector12 rate(const BondEnd* ends) const;
-  // Converts six numbers of each side, about its centre, to the form of q.
+  // Converts six numbers of each end, about the centre of its grain, to the form of q.
   Vector12 of_ends(const double* first, const double* second) const;
   // Converts the uniform field g to the form of q.
   Vector12 uniform(const double* g) const;
-  // loads() converts generalized forces on q to loads on the grains. generalized() converts six numbers of each side back.
+  // loads() converts generalized forces on q to loads on the grains. generalized() converts six numbers of each end
+  // back.
   GrainLoads loads(const Vector12& generalized) const;
   Vector12 generalized(const double* first, const double* second) const;
   // Generalized force of the centripetal acceleration of nodes beyond that of the p_s.
   Vector12 centripetal(const CondensedModel& model, const BondEnd* ends) const;
-  // M q of half a step before, for sides with the velocities of that time and the places of now.
+  // M q of half a step before, for ends with the velocities of that time and the present positions.
   Vector12 momentum_before(const CondensedModel& model, const BondEnd* ends, double half) const;
-  // All loads on the grains for these velocities and accelerations of the sides: elastic, of inertia and of weight.
+  // All loads on the grains for these velocities and accelerations of the ends: elastic, inertial and weight.
   GrainLoads all(const CondensedModel& model, const BondEnd* ends, const double* gravity) const;
 
   const Matrix3& axes() const { return Q_; }
@@ -98,7 +103,7 @@ class CondensedMotion {
  private:
   RelativeMotion<double> motion_;
   Matrix3 Q_ = Matrix3::Identity();
-  Vector3 p_[2], r_[2];  // r: from the centres to p
+  Vector3 p_[2], r_[2];  // vectors from the centres of the grains to p
   Vector6 d_ = Vector6::Zero();
 };
 

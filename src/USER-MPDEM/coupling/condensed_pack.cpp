@@ -48,7 +48,8 @@ Mat operator-(const Mat& x, const Mat& y) {
   return z;
 }
 
-// generalized: forces on the twelve velocities in the axes Q, with the opposite sign. along: line of centres, in these axes.
+// generalized: forces on the twelve velocities in the axes Q, with the opposite sign. along: direction of the line of
+// centres, in these axes.
 vd tension_of(const vd* generalized, const Vec& along) {
   vd sum{};
   for (int d = 0; d < 3; ++d) sum += (generalized[6 + d] - generalized[d]) * along.a[d];
@@ -106,7 +107,7 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Entry>& entries, cons
   halo_.build(comm, keys);
   blocks_.resize((entries.size() + kLanes - 1) / kLanes);
   double most = 0.0;
-  for (std::size_t n = 0; n < kLanes * blocks_.size(); ++n) {  // lanes that are left over have the last bond, but do not add its loads
+  for (std::size_t n = 0; n < kLanes * blocks_.size(); ++n) {  // spare lanes have the last bond, but do not add its loads
     Block& b = blocks_[n / kLanes];
     const int lane = static_cast<int>(n % kLanes);
     const Entry& entry = entries[std::min(n, entries.size() - 1)];
@@ -240,7 +241,7 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
   Vec force, moment;
   m.load(Vec{{f[0], f[1], f[2]}}, Vec{{f[3], f[4], f[5]}}, force, moment);
   const Vec moment0 = cross(force, m.apart) - moment;
-  // Inertia that does not depend on the accelerations.
+  // Inertia forces that do not depend on the accelerations.
   Vec to_axis[2];
   for (int s = 0; s < 2; ++s) to_axis[s] = turned_back(m.Q, cross(omega[s], cross(omega[s], m.r[s])));
   const Vec w = splat(0.5) * turned_back(m.Q, omega[0] + omega[1]);

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The condensed bonds of a rank in a step: those of the grains that it owns, and those that it has points of. Numbers
-// of eight bonds lie side by side, one bond a lane. One pass over them finds all loads and masses. The equations are those of condensed_bond.h.
+// The condensed bonds of a rank in a step: those of the grains that it owns, and those of which it has points. Eight
+// bonds lie side by side, one a lane. One pass over them finds all loads and masses. The equations are in
+// condensed_bond.h.
 //
-// Grains have slots here: the grains that this rank owns, and others of its bonds, whose owners hand out their motion.
-// Every owner of a grain has all condensed bonds of it. So it finds their loads itself, in the same order on any number of ranks.
+// Grains have slots here: the grains that this rank owns, and the other grains of its bonds, whose owners send their
+// motion. Every owner of a grain has all its condensed bonds. So it finds their loads itself, in the same order on any
+// number of ranks.
 //
-// Models are in the axes of their bodies, and Q takes these to the box. Loads and masses are in the axes of the box.
+// Models are in the axes of their bonds, and Q rotates these to the box. Loads and masses are in the axes of the box.
 //
-// A load on a grain is that of all its condensed bonds, force and moment about its centre. Loads due to accelerations
-// are
+// A load on a grain is the sum over all its condensed bonds, force and moment about its centre. Loads due to
+// accelerations are
 //
 //   -(sum M_ss) a - sum M_st a_t,   M in the coordinates of the grains, by the axes of the box.
 #ifndef MPDEM_COUPLING_CONDENSED_PACK_H
@@ -34,27 +36,26 @@ class CondensedPack {
   struct Entry {
     const CondensedModel* model;
     const BondRecord* record;
-    const double* bound;  // bounds of the root of the drive for each motion, see mpm/field_drive.h
+    const double* bound;  // bounds of the root of the driving force for each of the six motions, see mpm/field_drive.h
   };
   // Collective. grains: those that this rank owns, ascending in tag.
   void build(MPI_Comm comm, const std::vector<Entry>& entries, const std::vector<Grain>& grains);
-  // empty(): this rank has no condensed bonds. any(): some rank has one. A pack without any has no loads and no mass, and
-  // is ready from its creation on.
+  // empty(): this rank has no condensed bonds. any(): some rank has one. A pack without any has no loads and no mass,
+  // and needs no build().
   bool empty() const { return blocks_.empty(); }
   bool any() const { return any_; }
 
-  // Collective. Hands out the motion of the grains to all ranks with a slot for them. Accelerations are the expected ones.
+  // Collective. Sends the motion of the grains to all ranks with a slot for them. Accelerations are the expected ones.
   void distribute(const std::vector<Grain>& grains);
-  // Collective. Hand out six numbers of each owned grain.
+  // Collective. Send six numbers of each owned grain to all its slots.
   void set_accelerations(const double* of_owned);
   void set_jumps(const double* of_owned);
 
-  // Finds the loads that do not depend on accelerations, the masses, and how near the bonds are to their threshold.
-  // gravity acts on their mass.
+  // Finds the loads that do not depend on accelerations, the masses, and the level() of each bond. gravity acts on
+  // their mass.
   void find_loads(const double* gravity);
-  // Finds the loads due to jumps of velocity, as forces over the step. Does nothing without jumps.
+  // Finds the loads due to jumps of velocity, as forces over the step dt.
   void find_jump_loads(double dt);
-  // Finds the loads due to accelerations. Call it once these are known.
   void find_inertial_loads();
 
   // Component d of the loads on an owned grain.
@@ -62,14 +63,16 @@ class CondensedPack {
   double jump_load(int grain, int d) const { return of_owned(jump_load_, 6, grain, d); }
   double inertial_load(int grain, int d) const { return of_owned(inertial_load_, 6, grain, d); }
   double weight(int grain, int d) const { return of_owned(weight_, 6, grain, d); }
-  // mass() has the numbers of the sum of M_ss of an owned grain. coupling() is the largest CondensedModel::coupling of all bonds.
+  // mass() has the lower triangle of the sum of M_ss of an owned grain. coupling() is the largest
+  // CondensedModel::coupling of all bonds.
   double mass(int grain, int k) const { return of_owned(mass_, kSym6, grain, k); }
   double coupling() const { return coupling_; }
   // Subtracts sum M_st a_t from the six numbers of each owned grain.
   void take_coupling(double* of_owned);
   bool at_rest() const;  // true if no grain here has an acceleration
 
-  // Calls f(part, tension) with the mean force of each part along the line of centres, once all loads are known.
+  // Calls f(member, tension) with the mean force of each bond along the line of centres, once all loads are known.
+  // member: index in the list of build().
   template <class F>
   void each_tension(F f) const {
     for (std::size_t n = 0; n < blocks_.size(); ++n) {
@@ -77,12 +80,11 @@ class CondensedPack {
       for (int lane = 0; lane < blocks_[n].count; ++lane) f(kLanes * n + lane, tension[lane]);
     }
   }
-  // Component j of the relative motion of a part. part: its place in the list of build().
+  // Component j of the relative motion d of a bond.
   double relative(int member, int j) const { return blocks_[member / kLanes].d[j][member % kLanes]; }
-  // Upper bound of the root of the drive over its threshold.
+  // Upper bound of the root of the driving force over its threshold.
   double level(int member) const { return blocks_[member / kLanes].level[member % kLanes]; }
   bool any_level_reaches(double level) const;
-  // The grains of a part as its sides.
   std::array<BondEnd, 2> ends(int member, const BondRecord& record) const;
   int orphan() const;  // tag of a grain that no rank owns; 0 if there is none
 
@@ -97,7 +99,7 @@ class CondensedPack {
         second[6];  // lower triangles by rows; N: xx, yy, zz, yz, xz, xy for each of the last six components of q
     vd bound[6], d[6], level;
     vd C[36];               // M_01 in the axes of the box, by rows
-    vd tension, lag[2][6];  // mean force along the line of centres without accelerations, and what each acceleration takes from it
+    vd tension, lag[2][6];  // mean force along the line of centres without accelerations, and what each acceleration subtracts from it
   };
   static void fill(Block& b, int lane, const Entry& entry);
   void find_loads(Block& b, const double* gravity);

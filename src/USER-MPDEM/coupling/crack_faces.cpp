@@ -25,7 +25,7 @@ CrackFaces::CrackFaces(const PointStore& points, const Grid& grid, const KeyOf& 
   if (pairs_.empty()) return;
   std::vector<char> paired(grid.size(), 0);
   for (const Pair& p : pairs_) paired[p.node[0]] = paired[p.node[1]] = 1;
-  // slaves hand on to their masters, which may be nodes of pairs
+  // Constrained nodes add to their masters, which may be nodes of pairs.
   for (int i = 0; i < grid.size(); ++i)
     if (tie[i] >= 0) grid.ties.for_each_master(tie[i], [&](int master, double) { paired[i] = paired[i] || paired[master]; });
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
@@ -37,17 +37,17 @@ CrackFaces::CrackFaces(const PointStore& points, const Grid& grid, const KeyOf& 
   }
 }
 
-// Two nodes at a place belong to different parts. Part 0 has most nodes, so its nodes are searched for at the places
-// where other parts have one. Pairs come in the order of places.
+// Two nodes with the same grid index belong to different layers. Layer 0 has most nodes, so its nodes are searched for
+// at the grid indices where other layers have one. Pairs come in the order of grid indices.
 void CrackFaces::find_pairs(const Grid& grid, const KeyOf& at_start, const std::vector<int>& tie) {
   if (grid.keys.empty()) return;
   const Field layer_0 = field_of(row_of(grid.keys.front().field()), 0);
   const auto others = std::lower_bound(grid.keys.begin(), grid.keys.end(), Key::before(layer_0 + 1));
-  std::vector<std::pair<Key, int>> at;  // place, as a node of part 0, and node
+  std::vector<std::pair<Key, int>> at;  // key of the grid index in layer 0, and node
   for (int i = static_cast<int>(others - grid.keys.begin()); i < grid.size(); ++i)
     if (tie[i] < 0) at.emplace_back(grid.keys[i].with_field(layer_0), i);
   std::sort(at.begin(), at.end());
-  std::vector<int> here;  // free nodes at a place, ascending
+  std::vector<int> here;  // free nodes at a grid index, ascending
   for (auto first = at.begin(); first != at.end();) {
     const Key key = first->first;
     here.clear();
@@ -61,7 +61,7 @@ void CrackFaces::find_pairs(const Grid& grid, const KeyOf& at_start, const std::
   }
 }
 
-// Sums over points that hold, where they are now.
+// Sums over intact points at their present positions.
 void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
   gradient_.assign(3 * grid.size(), 0.0);
   volume_.assign(grid.size(), 0.0);
@@ -102,8 +102,8 @@ void CrackFaces::add_force(const PointStore& points, Grid& grid, const SharedLis
   }
 }
 
-constexpr double kLeastFace = 1e-5;        // G over the face of a cell, for a copy to meet another one
-constexpr double kLeastThatSlides = 0.05;  // the same, for its jump to tell of a slip
+constexpr double kLeastFace = 1e-5;        // G over the face of a cell, for a copy to have contact
+constexpr double kLeastThatSlides = 0.05;  // the same, for its jump to count as slip
 
 void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, double dt) {
   const long a = 3L * p.node[0], b = 3L * p.node[1];
@@ -116,7 +116,7 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
     v[d] = grid.velocity[b + d] - grid.velocity[a + d] + kick * (grid.force[b + d] / mass[1] - grid.force[a + d] / mass[0]);
   }
   const double size = std::sqrt(dot(n, n));
-  // G is an area. A copy that next to nothing holds has no face.
+  // G is an area. A copy with almost no intact material has no face.
   const double smaller = std::sqrt(std::min(dot(&gradient_[a], &gradient_[a]), dot(&gradient_[b], &gradient_[b]))) / (grid.h * grid.h);
   if (smaller < kLeastFace || !(size > 0.0)) return;
   for (double& x : n) x /= size;
@@ -129,15 +129,15 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
   }
   const double far = std::sqrt(dot(slid, slid));
   if (far > grid.h) {
-    // A copy that little material holds has even less mass. It flies far by what hardly is a force, and its jump says
-    // nothing of the slip.
+    // A copy with little intact material has even less mass. A tiny force moves it far, so its jump says nothing about
+    // the slip.
     if (smaller > kLeastThatSlides) p.too_far = far;
     return;
   }
   ++touching_;
   deepest_ = std::max(deepest_, -wn);
   const double together = 1.0 / (kick * (1.0 / mass[0] + 1.0 / mass[1]));
-  // an overlap, where the normal turned, is undone no faster than the faces close; otherwise it would give energy
+  // An overlap, where the normal rotated, is undone no faster than the faces close; otherwise it would supply energy.
   const double after = std::min(-wn / dt, -vn);
   const double normal = (after - vn) * together, stop = std::sqrt(dot(slip, slip)) * together;
   const double share = stop > friction_ * normal ? friction_ * normal / stop : 1.0;

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Contact of crack faces in the cement of one bond, with Coulomb friction. Where nodes split (fracture/phantom_nodes.h),
-// the copies of a node are the two faces. The jump over the crack is that of their displacements, w = u_b - u_a. It was
-// zero when the node split. The normal n points from a to b. It follows from the volume that holds of either copy in
-// the present state and from its gradient (after S. G. Bardenhagen, J. U. Brackbill, D. Sulsky, Comput. Methods Appl.
-// Mech. Engrg. 187, 2000, 529-541, who take the difference of the gradients):
+// Contact of crack faces in the cement of one bond, with Coulomb friction. Where nodes split
+// (fracture/phantom_nodes.h), the copies of a node are the two faces. The jump over the crack is that of their
+// displacements, w = u_b - u_a. It was zero when the node split. The normal n points from a to b. It follows from the
+// intact volume of either copy in the present state and from its gradient (after S. G. Bardenhagen, J. U. Brackbill, D.
+// Sulsky, Comput. Methods Appl. Mech. Engrg. 187, 2000, 529-541, who take the difference of the gradients):
 //
 //   V_a = sum V N_a     G_a = sum V F^-T grad N_a     n = g/|g|, g = G_a/V_a - G_b/V_b
 //
-// Where the cement ends across the crack, both copies have the same G/V along it. The plain difference keeps a part of
-// that if one copy has more material than the other, and tilts the normal.
+// Where the cement ends across the crack, both copies have the same G/V along the crack. If one copy has more material
+// than the other, the plain difference of the gradients keeps a remainder of it, which tilts the normal.
 //
 // Two nodes exchange just the force that leaves w.n >= 0 at the end of the next step (forward increments of N. J.
-// Carpenter, R. L. Taylor, M. G. Katona, Int. J. Numer. Methods Engrg. 32, 1991, 103-128). With the lumped masses N
-// this is one equation a pair. A normal that turns may make an overlap. It is undone by a bounce no faster than the
-// faces close, so the force never gives energy. Along the face, the force is that which stops their slip, or mu times
-// the normal force if that is less. The contact needs no stiffness and leaves the stable step as it is. The kinetic
-// energy that a pair loses by impact and slip is the work of these forces. Copies whose G is below 1e-5 of the face of
-// a cell meet nothing.
+// Carpenter, R. L. Taylor, M. G. Katona, Int. J. Numer. Methods Engrg. 32, 1991, 103-128). With lumped masses this is
+// one equation a pair. A rotating normal may cause an overlap. It is undone by a bounce no faster than the faces close,
+// so the force never supplies energy. Along the face, the force is that which stops their slip, or mu times the normal
+// force if that is less. The contact needs no stiffness and does not reduce the stable step. The kinetic energy that a
+// pair loses by impact and slip is the work of these forces. Copies whose G is below 1e-5 of the face of a cell have no
+// contact.
 //
-// Slips of up to a cell are valid. Pairs that are further off touch no more, and slid_too_far() tells of those whose
-// sides both hold to a grain. A piece that holds to no grain flies freely. It meets the plane of a face from which it
-// broke off anywhere but opposite to it.
+// Slips of up to a cell are valid. Pairs with larger slips have no contact any more. slid_too_far() reports those with
+// both copies connected to a grain. A piece that is connected to no grain flies freely and is not reported: it reaches
+// the plane of the face from which it broke off elsewhere, where there is no contact.
 #ifndef MPDEM_COUPLING_CRACK_FACES_H
 #define MPDEM_COUPLING_CRACK_FACES_H
 
@@ -41,23 +41,23 @@ class CrackFaces : public BondMechanism {
   using KeyOf = std::function<Key(const Key&)>;
 
   CrackFaces() = default;
-  // Finds pairs of copies of nodes that were one node at the start and are free. at_start: the node of the start that a
-  // copy stems from.
+  // Finds pairs of free (not constrained) copies of nodes that were one node at the start. at_start: the original node
+  // of a copy.
   CrackFaces(const PointStore& points, const Grid& grid, const KeyOf& at_start, double friction);
 
   void add_contact(const BondAtWork& b) override { add_force(b.points, b.grid, b.added_mass, b.kick, b.dt); }
   void add_friction_power(const Grid& grid, Power& sum) const override { sum.add(power(grid)); }
   std::string trouble(const PointStore& points, Grid& grid, long step) const override;
 
-  // Collective among the ranks that share the nodes, which all know of all copies. Adds the forces of the pairs to
-  // those of the nodes, which are complete. added: mass that is added to that of the nodes, or an empty list. The next
-  // step changes velocities by kick times the acceleration and lasts dt.
+  // Collective among the ranks that share the nodes, all of which have all copies. Adds the forces of the pairs to
+  // those of the nodes, which are complete. added: added mass of the nodes, or an empty list. The next step changes
+  // velocities by kick times the acceleration and lasts dt.
   void add_force(const PointStore& points, Grid& grid, const SharedList<double>& added, double kick, double dt);
-  // Power that the forces of the pairs take. Power::after() gives it for velocities ahead of the stored ones. Sums over
-  // the nodes that count here.
+  // Power that the forces of the pairs dissipate, at the nodes that this rank counts. Power::after() gives it for
+  // velocities ahead of the stored ones.
   Power power(const Grid& grid) const;
   // Collective as add_force(). Largest slip above a cell of pairs that would touch in the last step, and whose material
-  // holds to a grain; 0: none.
+  // is connected to a grain; 0: none.
   double slid_too_far(const PointStore& points, Grid& grid) const;
   double deepest() const { return deepest_; }  // deepest overlap of a pair in the last step
   int pairs() const { return static_cast<int>(pairs_.size()); }
@@ -73,16 +73,16 @@ class CrackFaces : public BondMechanism {
     double force[3];  // force on the second node
     double too_far;   // slip of a pair that would touch if it had not slid too far; else 0
   };
-  // tie: row of each node in the ties, -1 if it is free
+  // tie: row of each node in the constraints, -1 if it is free
   void find_pairs(const Grid& grid, const KeyOf& at_start, const std::vector<int>& tie);
   void find_normals(const PointStore& points, Grid& grid);
   void meet(Pair& p, Grid& grid, const double* mass, double kick, double dt);
 
   double friction_ = 0, deepest_ = 0;
   int touching_ = 0;
-  std::vector<Pair> pairs_;                // sorted by place
+  std::vector<Pair> pairs_;                // sorted by grid index
   std::vector<int> blocks_;                // blocks that have nodes of pairs
-  std::vector<double> gradient_, volume_;  // G and V of the formula, three numbers a node and one
+  std::vector<double> gradient_, volume_;  // G and V of the formula, three numbers and one number a node
 };
 
 }  // namespace mpdem

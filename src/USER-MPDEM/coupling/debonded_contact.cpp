@@ -17,9 +17,9 @@ namespace mpdem {
 
 namespace {
 
-constexpr double kOneSided = 2.0;  // factor of the stiffness in the search for added mass, see the header
-// A place is about to touch within this share of a cell, about the stretch of a cell at the strength, or if it would come
-// that near in the time of kMargin looks.
+constexpr double kOneSided = 2.0;  // factor of the stiffness for the added mass, see the header
+// A contact point is about to touch within this share of a cell, about the stretch of a cell at the strength, or if it
+// would come that near in kMargin times the time `soon`.
 constexpr double kNear = 1e-3, kMargin = 2.0;
 
 vd dot(const vd* a, const vd* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -34,7 +34,6 @@ double distance(const double* a, const double* b) {
 
 bool before(const ContactPoint& a, const ContactPoint& b) { return a.slot != b.slot ? a.slot < b.slot : a.grain < b.grain; }
 
-// Finds a place of the store; null if there is none.
 ContactPoint* find(std::vector<ContactPoint>& contacts, int slot, int grain) {
   ContactPoint wanted;
   wanted.slot = slot;
@@ -50,7 +49,7 @@ DebondedContact::DebondedContact(const PointStore& points, const BondRecord& rec
   lay_out(points, record, grid);
 }
 
-// Lays out the places in blocks of one side, in the order of the tags of their points.
+// Lays out the contact points in blocks of one grain, in the order of the tags of their points.
 void DebondedContact::lay_out(const PointStore& points, const BondRecord& record, const Grid& grid) {
   blocks_.clear();
   const auto key = [&](int i) {
@@ -89,7 +88,7 @@ void DebondedContact::lay_out(const PointStore& points, const BondRecord& record
                              &columns_[columns_.size() - (kLanes - lane) * columns_of_cell_]))
         throw std::logic_error("a place that let go is outside of the grid of its bond");
     }
-    for (; lane < kLanes; ++lane)  // empty lanes have the place of the first lane
+    for (; lane < kLanes; ++lane)  // empty lanes have the position of the first lane
       for (int d = 0; d < 3; ++d) {
         b.X[d][lane] = b.X[d][0];
         b.base[d][lane] = b.base[d][0];
@@ -110,7 +109,7 @@ void DebondedContact::touch(const Block& b, const Grid& grid, const BondEnd& s, 
   find_stretch(b, s, t);
 }
 
-// Not inlined, so that it rounds alike wherever it is called: a run that goes on from a restart file finds the same forces.
+// Not inlined, so that it rounds alike wherever it is called: a run from a restart file finds the same forces.
 __attribute__((noinline)) void DebondedContact::find_stretch(const Block& b, const BondEnd& s, Touch& t) {
   vd d[3];
   for (int i = 0; i < 3; ++i) d[i] = t.q[i] - (s.R.a[i][0] * b.stick[0] + s.R.a[i][1] * b.stick[1] + s.R.a[i][2] * b.stick[2]);
@@ -132,7 +131,7 @@ double DebondedContact::follow(Block& b, PointStore& points, const BondEnd& s, T
   const vmask starts = lanes(static_cast<std::uint8_t>(b.closed & ~was));
   const vd bears = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));
   const vmask slips =
-      lanes(was) & (size > (1.0 + 1e-9) * bears);  // 1e-9: rounding is no slip; all of e slips where a place opens, since bears is 0
+      lanes(was) & (size > (1.0 + 1e-9) * bears);  // 1e-9: rounding is no slip; all of e slips where the gap opens, since bears is 0
   const vd share = select(slips, 1.0 - bears / size, vd{});  // share of e that slips
   for (int i = 0; i < 3; ++i) {
     const vd at = s.R.a[0][i] * t.q[0] + s.R.a[1][i] * t.q[1] + s.R.a[2][i] * t.q[2];
@@ -217,13 +216,13 @@ void DebondedContact::find_velocity(const Block& b, const Grid& grid, const Bond
   for (int d = 0; d < 3; ++d) v[d] -= of_grain[d];
 }
 
-// A place that has added mass keeps it up to twice the distance. So places at that distance do not get and lose it in turns.
+// A contact point keeps its added mass up to twice the distance at which it gets it, so that it does not alternate.
 bool DebondedContact::update_added_mass(PointStore& points, const Grid& grid, const BondEnd* bond_ends, double dt, double soon) {
-  if (blocks_.empty()) return false;  // there may be no sides
+  if (blocks_.empty()) return false;  // `bond_ends` may be empty
   bool changes = false;
   BondEnd before[2] = {bond_ends[0], bond_ends[1]};
   for (BondEnd& s : before)
-    for (int d = 0; d < 3; ++d) s.x[d] -= dt * s.v[d];  // the grains went on, and the nodes did not
+    for (int d = 0; d < 3; ++d) s.x[d] -= dt * s.v[d];  // the grains have moved already, and the nodes have not
   for (Block& b : blocks_) {
     Touch t;
     touch(b, grid, before[b.side], t);
@@ -258,7 +257,7 @@ void DebondedContact::add_stiffness(const Grid& grid, const BondEnd* bond_ends, 
 
 namespace {
 
-// Freed place of a link, at the point where the link acts in the reference.
+// Contact point of a debonded link, where the link acts in the reference.
 ContactPoint opened_by(const PointStore& points, const Link& k, bool at_surface) {
   ContactPoint p;
   p.slot = k.slot;
@@ -362,8 +361,8 @@ std::vector<DebondedContact::OrphanedContact> DebondedContact::movers(const Poin
       OrphanedContact m{points.meta[p.slot / kLanes].row, p.grain, points.tag(p.slot), p.area, {}, {}, record.spacing};
       const double* centre = record.centre[b.side];
       const double r = distance(p.X, centre);
-      // From the surface of the grain, not from the point that failed: that may have been the last one at the bottom of
-      // a hole, and the material beside the hole begins at the surface.
+      // Distances are from the surface of the grain, not from the failed point: that may have been the last one at the
+      // bottom of a hole, and the material beside the hole begins at the surface.
       for (int d = 0; d < 3; ++d) {
         m.n[d] = (p.X[d] - centre[d]) / r;
         m.X[d] = centre[d] + record.radius[b.side] * m.n[d];
@@ -400,7 +399,7 @@ DebondedContact::Found DebondedContact::nearest(const PointStore& points, const 
 
 namespace {
 
-// Freed place half a spacing before a point, towards the grain.
+// Contact point half a spacing from a material point towards the grain.
 ContactPoint before_point(const PointStore& points, const BondRecord& record, int slot, int grain) {
   ContactPoint p;
   p.slot = slot;
@@ -421,13 +420,14 @@ double DebondedContact::move(PointStore& points, const BondRecord& record, const
                              const std::vector<Arrival>& arrivals, std::vector<std::array<int, 2>> gone) {
   std::sort(gone.begin(), gone.end());
   struct Sum {
-    double area = 0, pressed = 0, slip[3] = {0, 0, 0};  // pressed and slip: sums over closed places of area times -g, and of area times e
+    double area = 0, pressed = 0,
+           slip[3] = {0, 0, 0};  // pressed and slip: sums over closed contact points of area times -g, and of area times e
   };
   std::map<std::pair<int, int>, Sum> sums;  // by slot and grain
   double before_it = 0.0, after = 0.0;
   add_energy(grid, ends, before_it);
   for (const Arrival& a : arrivals) sums[{a.slot, a.mover.grain}].area += a.share * a.mover.area;
-  // Places that are there already keep their force.
+  // Contact points that the slots have already keep their force.
   for (const Block& b : blocks_) {
     Touch t;
     touch(b, grid, ends[b.side], t);

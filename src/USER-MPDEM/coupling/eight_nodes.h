@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Eight nodes of a grid side by side. Loops over many nodes of a bond in every step use these.
+// Eight nodes of a grid, one a lane, for loops over many nodes of a bond in every step.
 #ifndef MPDEM_COUPLING_EIGHT_NODES_H
 #define MPDEM_COUPLING_EIGHT_NODES_H
 
@@ -41,12 +41,10 @@ struct EightNodes {
     for (int l = 0; l < count; ++l)
       for (int d = 0; d < 3; ++d) values[3 * static_cast<long>(node[l]) + d] += in[d][l];
   }
-  // Reads one number of each node.
   vd one_of(const double* v) const {
     const int* n = node;
     return vd{v[n[0]], v[n[1]], v[n[2]], v[n[3]], v[n[4]], v[n[5]], v[n[6]], v[n[7]]};
   }
-  // Present places.
   void find_places(const Grid& grid, vd* x) const {
     vd u[3];
     take(grid.displacement.data(), u);

@@ -20,7 +20,7 @@ LinkSeparation separation(const vd* open, const vd* normal) {
   return {open[0] * normal[0] + open[1] * normal[1] + open[2] * normal[2], open[0] * open[0] + open[1] * open[1] + open[2] * open[2]};
 }
 
-// A spring k along the direction n, of length 1, and kt across it, or the compliance of one.
+// Stiffness k along the unit vector n and kt across it, or such a compliance.
 Mat3<vd> along_and_across(vd k, vd kt, const vd* n) {
   Mat3<vd> m;
   for (int i = 0; i < 3; ++i)
@@ -32,8 +32,8 @@ void multiply(const Mat3<vd>& m, const vd* x, vd* y) {
   for (int i = 0; i < 3; ++i) y[i] = m.a[i][0] * x[0] + m.a[i][1] * x[1] + m.a[i][2] * x[2];
 }
 
-// Displacements e of the two ends of a spring that carry the loads r. soft: compliance of the spring; of_end: compliances of
-// the springs that hold its ends. Returns by how much the force of the spring grows.
+// Displacements e of the two ends of a spring under the loads r. soft: compliance of the spring; of_end: compliances of
+// the springs that support its ends. grows: by how much the force of the spring grows.
 void solve_in_series(const Mat3<vd>& soft, const Mat3<vd>* of_end, const vd (*r)[3], vd (*e)[3], vd* grows) {
   Mat3<vd> all = soft;
   for (int i = 0; i < 3; ++i)
@@ -50,7 +50,7 @@ void solve_in_series(const Mat3<vd>& soft, const Mat3<vd>* of_end, const vd (*r)
 
 }  // namespace
 
-// Sums over columns, eight side by side.
+// Sums over columns, one column a lane.
 struct Film::Loads {
   vd force[3] = {}, torque[2][3] = {};  // force: on grain 1. torque: of the forces, about the centres
   Mat3<vd> moment = {};                 // -V P
@@ -100,7 +100,7 @@ Film::Areas Film::areas() const {
     sum.holding += sum_lanes(masked(carrying(b), area));
     sum.inside += sum_lanes(masked(points.meta[b].failed, area));
     if (!columns_[b].cut) continue;
-    // a face that let go has all of the damage; the other one has less
+    // A debonded face has all of the damage; the other one has less.
     const vmask cut = lanes(static_cast<std::uint8_t>(columns_[b].cut & ~points.meta[b].failed));
     const vd second = select(faces_[b].damage[1] >= 1.0, splat(1.0), vd{}), first = select(faces_[b].damage[0] >= 1.0, splat(1.0), vd{});
     const vd both = max(first + second, splat(1.0));
@@ -171,7 +171,7 @@ void Film::deform(std::size_t b, const Turns& t, const BondEnd* bond_ends, vd (*
     for (int j = 0; j < 3; ++j) F.a[i][j] = 0.5 * (t.Q[0].a[i][j] + t.Q[1].a[i][j]) + apart[i] * c.N[j];
 }
 
-// The face of a column and its link let go.
+// Debonds both links of a column: of one with a debonded face (debonds), or of one that failed.
 void Film::debond(int slot, bool debonds) {
   columns_[slot / kLanes].cut |= static_cast<std::uint8_t>(1u << slot % kLanes);
   const auto [first, last] = of_slot(points.links, slot);
@@ -184,9 +184,9 @@ void Film::debond(int slot, bool debonds) {
   for (int i = 0; i < 6; ++i) strain[kLanes * i] = 0.0;
 }
 
-// The force of a column on its second face with the damage of now, if the faces stay as open as they are. In the axes of
-// the creation, to which either grain brings what it has: the rotations of the grains against each other are of the order of
-// the strain.
+// The force of a column on its face at grain 1 with the present damage and the present openings of the faces. It is in
+// the axes of the creation, to which the rotation of either grain brings its value back: the rotations of the grains
+// relative to each other are of the order of the strain.
 template <class L>
 void Film::force_on_face(const L& law, std::size_t b, const Turns& turns, const BondEnd* bond_ends, vd* f) const {
   const PointBlock& p = points.blocks[b];
@@ -210,7 +210,7 @@ void Film::force_on_face(const L& law, std::size_t b, const Turns& turns, const 
   }
 }
 
-// The grain (0 or 1) that is behind, as side_behind() of mpm/bond_record.h has it for the whole bond.
+// The grain (0 or 1) that is behind, as side_behind() of mpm/bond_record.h defines it for the whole bond.
 int Film::side_behind_of(const Column& c, std::uint8_t live) {
   BondRecord along;
   const int l = __builtin_ctz(live);
@@ -218,13 +218,13 @@ int Film::side_behind_of(const Column& c, std::uint8_t live) {
   return side_behind(along);
 }
 
-// The column is taken for a spring along N and one across, which the next step corrects.
+// The column is approximated by a spring along N and one across, which the next step corrects.
 template <class L, class T>
 void Film::open_faces(const L& law, const T& traction, const Turns& turns, const BondEnd* ends, AdvanceResult& result) {
   if constexpr (T::kFields > 0) {
     static_assert(T::kFields == 1, "a face keeps its damage");
     constexpr int kIterations = 6;
-    constexpr double kSoftening = 1e-3;  // tangent of a face that softens, over its secant: next to nothing beside the column
+    constexpr double kSoftening = 1e-3;  // tangent of a face that softens, over its secant: negligible beside the column
     if (faces_.empty()) faces_.assign(points.blocks.size(), Faces{});
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const std::uint8_t live = carrying(b);
@@ -249,7 +249,7 @@ void Film::open_faces(const L& law, const T& traction, const Turns& turns, const
           const vd kn = c.area[s] * secant.kn, kt = c.area[s] * secant.kt;
           for (int i = 0; i < 3; ++i) rest[s][i] = (s == 1 ? f[i] : -f[i]) - (kt * faces.open[s][i] + (kn - kt) * delta.n * c.normal[s][i]);
           of_face[s] = along_and_across(1.0 / (kn + floor), 1.0 / (kt + floor), c.normal[s]);
-          // a face that softens gives way along its opening alone, and not where it is closed
+          // A face that softens is compliant only along its opening, and not where it is closed.
           const vd closed = min(delta.n, vd{}), energy = kt * delta.tangential_square() + kn * (delta.n - closed) * (delta.n - closed);
           const vd fails_by_load = select(softens[s] & (energy > 0.0), splat(1.0 / kSoftening) / max(energy, splat(1e-300)), vd{});
           vd open[3];
@@ -278,7 +278,7 @@ void Film::open_faces(const L& law, const T& traction, const Turns& turns, const
       }
       write_faces(static_cast<int>(b));
       if (!gone) continue;
-      // the column gives up its energy, and so does the other face
+      // The column releases its energy, and so does the other face.
       result.released += sum_lanes(
           masked(gone, energy_of_faces(traction, b) + 0.5 * p.volume * contract(stress_of(points, static_cast<int>(b), law), p.strain)));
       for (int l = 0; l < kLanes; ++l)
@@ -389,7 +389,8 @@ void Film::add_force(BondEnd* ends, const Law& of_any_kind) const {
   loads.add_to(ends, turns_now);
 }
 
-// The strain is the logarithm of the stretch, which the sum over steps comes to where the axes of the stretch stay.
+// The strain is the logarithm of the stretch, to which the sum over steps converges where the axes of the stretch are
+// fixed.
 void Film::start_from(const BondEnd* ends) {
   const Turns turns_now = turns(ends);
   points.forget_roots_of_norm();
@@ -406,7 +407,7 @@ void Film::start_from(const BondEnd* ends) {
       const Eigen::Matrix3d R = svd.matrixU() * svd.matrixV().transpose();
       const Eigen::Quaterniond at_creation(p.q.w[l], p.q.x[l], p.q.y[l], p.q.z[l]), q = (Eigen::Quaterniond(R) * at_creation).normalized();
       const Eigen::Matrix3d frame = at_creation.toRotationMatrix();
-      // U - 1 by the singular values would have lost their digits
+      // U - 1 by the singular values would lose its digits.
       const Eigen::Matrix3d small = R.transpose() * (F - R), stretch = 0.5 * (small + small.transpose());
       const Eigen::Matrix3d e = frame.transpose() * (stretch - 0.5 * stretch * stretch) * frame;
       const double strain[6] = {e(0, 0), e(1, 1), e(2, 2), e(1, 2), e(0, 2), e(0, 1)};

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Row sums of the stiffness of springs at places of the cement, added up at free nodes. Added mass is in proportion to them.
+// Row sums of the stiffness of springs that act on the cement, added up at free nodes. Added mass is proportional to
+// them.
 #ifndef MPDEM_COUPLING_FREE_WEIGHTS_H
 #define MPDEM_COUPLING_FREE_WEIGHTS_H
 
@@ -12,14 +13,14 @@
 
 namespace mpdem {
 
-// Weights of a place at free nodes. A tied node passes its weight to its masters.
+// Weights of one position at free nodes. A constrained node passes its weight to its masters.
 class FreeWeights {
  public:
   explicit FreeWeights(const Grid& grid)
       : ties_(grid.ties), row_(grid.ties.row_of_each(grid.size())), weight_(grid.size(), 0.0), used_(grid.size(), 0) {}
 
-  // Adds the row sums of a link of stiffness k at a place, given by its columns and lane l of its weights. `sums` has
-  // two numbers a node, and the first of them is changed.
+  // Adds the row sums of a link of stiffness k at the position given by its columns and lane l of its weights. `sums`
+  // has two numbers a node, and the first of them is changed.
   template <class Type>
   void add_row_sums(const int* column, const Weights<Type>& w, int l, double k, double* sums) {
     constexpr int S = Type::kSupport;
@@ -44,7 +45,7 @@ class FreeWeights {
     if (row < 0) add_free(node, weight);
     else ties_.for_each_master(row, [&](int master, double share) { add_free(master, share * weight); });
   }
-  // A row of the stiffness matrix of a link has the entries k A |w_I| |w_J| at most.
+  // A row of the stiffness matrix of a link has the entries k |w_I| |w_J| at most.
   double sum_of_sizes() const {
     double sum = 0.0;
     for (int n : nodes_) sum += std::fabs(weight_[n]);

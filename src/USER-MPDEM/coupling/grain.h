@@ -13,7 +13,7 @@
 
 namespace mpdem {
 
-// State of a grain, which the host has. Through a const grain it can only be read.
+// State of a grain, owned by the host. A const grain gives read access only.
 class HostState {
  public:
   HostState(GrainState* of_host = nullptr) : at_(of_host) {}
@@ -38,15 +38,17 @@ struct Grain {
   double mass_ratio = 0;        // inertia of its cement over its own, see added_mass.h; 0 if prescribed
   double moved[3] = {0, 0, 0};  // displacement in this step
   // Used with sub-steps only. start: velocity at the start of the step. cement_load: load of the cement at the present
-  // time. unshown: the part of it that is the impulse of other sub-steps. kick: load that accelerates the grain in the next sub-step.
+  // time. load_of_other_substeps: the share of it that is the impulse of other sub-steps. kick: load that accelerates
+  // the grain in the next sub-step.
   double start[6] = {0, 0, 0, 0, 0, 0}, cement_load[6] = {0, 0, 0, 0, 0, 0}, load_of_other_substeps[6] = {0, 0, 0, 0, 0, 0},
          kick[6] = {0, 0, 0, 0, 0, 0};
   double acceleration[6] = {0, 0, 0, 0, 0, 0};  // in this step: expected for prescribed motion, or found by the cement
   double made_for = 0;                          // radius when its cement was made
   HostState state;
-  std::vector<int> ends;  // places of all its sides in BondEnds::owned()
+  std::vector<int> ends;  // indices of all its ends in BondEnds::owned()
 
-  // Part of the load of the host at the end of a step of n sub-steps that acts within the steps before and after this time, and not at this time.
+  // Load of the host at the end of a step of n sub-steps that acts within the steps before and after this time, and not
+  // at this time.
   double spread(int d, int n) const { return free[d] ? (1.0 - 1.0 / n) * state->between[d] : 0.0; }
   bool any_free() const { return std::find(free, free + 6, true) != free + 6; }
 };

@@ -12,7 +12,8 @@ namespace mpdem {
 
 namespace {
 
-// Relative errors of the iteration. They affect the energy that is kept, but not the momentum. Condensed bonds have a small share of the energy.
+// Relative errors of the iteration. They affect the conservation of energy, but not of momentum. Condensed bonds have a
+// small share of the energy.
 constexpr double kPrecision = 1e-10, kPrecisionOfCondensed = 1e-8;
 constexpr double kLargestRadius = 1.0 - 1e-6;  // spectral radius, which takes 17 000 sweeps
 
@@ -34,7 +35,7 @@ void add_first(vd v, int count, double* to) {
   for (int l = 0; l < count; ++l) to[l] += v[l];
 }
 
-// Rotation of six numbers from the axes of a side to those of the box.
+// Rotation of six numbers from the axes of an end to those of the box.
 Eigen::Matrix<double, 6, 6> turn_of(const BondEnd& s) {
   Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = matrix_of(s.axes);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Data of a bonded grain that LIGGGHTS does not keep. It goes with the grain to other ranks and into restart files.
-// Vectors of six have three components of translation, then three of rotation.
+// Data of a bonded grain that LIGGGHTS does not keep. They move with the grain to other ranks and into restart files.
+// Arrays of six have three components of translation, then three of rotation.
 #ifndef MPDEM_COUPLING_GRAIN_STATE_H
 #define MPDEM_COUPLING_GRAIN_STATE_H
 
@@ -14,21 +14,22 @@ struct GrainState {
   int tag = 0;                              // ID of the grain when its cement was made; 0: not known
   double q[4] = {1.0, 0.0, 0.0, 0.0};       // orientation
   bool velocities_known = false;            // the velocities below are known, since a run began
-  double v[6] = {0, 0, 0, 0, 0, 0};         // velocities with which it came to the present position
+  double v[6] = {0, 0, 0, 0, 0, 0};         // velocities with which it moved to the present position
   double v_before[6] = {0, 0, 0, 0, 0, 0};  // velocities of the step before
-  double jump[6] = {0, 0, 0, 0, 0, 0};      // the part of the change of velocity that was a jump
+  double jump[6] = {0, 0, 0, 0, 0, 0};      // the share of the change of velocity that was a jump
   double v_end[6] = {0, 0, 0, 0, 0, 0};     // velocities at the end of the step
   double a[3] = {0, 0, 0};                  // expected acceleration of a prescribed v
   double load[6] = {0, 0, 0, 0, 0, 0};      // force and moment of the cement
-  double owed[6] = {0, 0, 0, 0,
-                    0, 0};  // second half of the impulse of jumps and transfers of the last step, which acts in the first half of the next
-  bool position_known = false;               // x is known, since cement was made or forces were computed
-  double x[3] = {0, 0, 0};                   // unwrapped position when forces were computed last, or cement was made
+  double owed[6] = {0, 0, 0,
+                    0, 0, 0};   // second half of the impulse of jumps and transfers of the last step; it acts in the first half of the next
+  bool position_known = false;  // x is known, since cement was made or forces were computed
+  double x[3] = {0, 0, 0};      // unwrapped position when forces were computed last, or cement was made
   double late_load[6] = {0, 0, 0, 0, 0, 0};  // force and torque that fixes after fix mpm added in the last step
-  // Used with sub-steps, see cement/bond/spread_loads.cpp. spread: the loads of the host are spread. mean: three running
-  // means, each of the one before, the first of the load. off and off_squared: running averages of the deviation of the
-  // load from held(), and of its square. between: load that is spread at the end of a step. bent: sum of the distances
-  // of the places in the sub-steps from the mean of the ends of the step. It is found before grains go to other ranks, and used after that.
+  // Used with sub-steps, see cement/bond/spread_loads.cpp. spread: the loads of the host are spread. mean: three
+  // running means, each of the one before, the first of the load. off and off_squared: running averages of the
+  // deviation of the load from held(), and of its square. between: load that is spread at the end of a step. bent: sum
+  // of the distances of the positions in the sub-steps from the mean of the ends of the step. It is found before grains
+  // move to other ranks, and used after that.
   bool spread = false;
   double mean[18] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   double off[6] = {0, 0, 0, 0, 0, 0}, off_squared = 0.0;

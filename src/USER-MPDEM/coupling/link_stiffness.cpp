@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Forces of the links due to small motions.
+// Forces of the links due to small motions of nodes and grains.
 #include "../mpm/lane_by_lane.h"
 #include "penalty_links.h"
 

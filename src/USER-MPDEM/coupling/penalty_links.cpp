@@ -21,14 +21,14 @@ LinkSeparation separation_of(const vd* delta, const vd* n) {
 }
 }  // namespace
 
-// Place of the link when its body was created.
+// Position of the link when its bond was created.
 double PenaltyLinks::created(const PointStore& points, const Link& k, int d) const {
   const int b = k.slot / kLanes, l = k.slot % kLanes;
   if (p_.at_surface) return k.foot[d];
   return points.motion.empty() ? points.blocks[b].X[d][l] : points.motion[b].X0[d][l];
 }
 
-// Place at which the link acts, in the reference.
+// Position at which the link acts, in the reference.
 double PenaltyLinks::acts_at(const PointStore& points, const Link& k, int d) const {
   return p_.at_surface ? k.foot[d] + k.moved[d] : points.blocks[k.slot / kLanes].X[d][k.slot % kLanes];
 }
@@ -79,7 +79,7 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
     std::fill(b.link, b.link + kLanes, -1);
     int lane = 0;
     for (; lane < kLanes && i != items.end() && i->key[0] == b.side; ++lane, ++i) set_lane(n, lane, points, i->link);
-    for (; lane < kLanes; ++lane)  // empty lanes have the place of the first lane, and no area
+    for (; lane < kLanes; ++lane)  // empty lanes have the position of the first lane, and no area
       for (int d = 0; d < 3; ++d) {
         b.X[d][lane] = b.X[d][0];
         if (!created_.empty()) created_[n].X[d][lane] = created_[n].X[d][0];
@@ -115,7 +115,7 @@ void PenaltyLinks::set_lane(std::size_t block, int lane, const PointStore& point
   }
 }
 
-// Stores the places of creation. Must be called before places move.
+// Stores the positions at creation. Must be called before positions change.
 void PenaltyLinks::keep_created() {
   if (!created_.empty()) return;
   created_.resize(blocks_.size());
@@ -140,7 +140,6 @@ typename L::State PenaltyLinks::state(const L&, std::size_t block) const {
   return s;
 }
 
-// Finds the cell of the point of a link.
 void PenaltyLinks::base_of(const PointStore& points, const Link& k, int* base) const {
   for (int d = 0; d < 3; ++d) base[d] = support_base(points.blocks[k.slot / kLanes].X[d][k.slot % kLanes], inverse_h_, cell_shift(basis_));
 }
@@ -197,7 +196,7 @@ bool PenaltyLinks::remap_contacts(PointStore& points) {
       base_of(points, k, base);
       for (int d = 0; d < 3; ++d) {
         k.moved[d] += moved[d][l];
-        b.X[d][l] = acts_at(points, k, d);  // found anew and not moved, so that blocks are to the bit those of a new layout
+        b.X[d][l] = acts_at(points, k, d);  // computed anew and not incremented, so that blocks are bitwise those of a new layout
         left = left || base[d] != b.base[d][l];
       }
       gone_ = gone_ || !(k.attached || k.inert);
@@ -271,7 +270,7 @@ void PenaltyLinks::compute_gap(const LinkBlock& b, const Grid& grid, const BondE
   for (int d = 0; d < 3; ++d) at[d] = created[d] - centre_[b.side][d];
   for (int d = 0; d < 3; ++d) q0[d] = R.a[0][d] * at[0] + R.a[1][d] * at[1] + R.a[2][d] * at[2];
   for (int d = 0; d < 3; ++d) {
-    // u is added last. It is then rounded by an amount that depends on u and not on the place, so ranks agree.
+    // u is added last. Its rounding then depends on u and not on the position, so ranks agree.
     const vd X = b.X[d] - s.x[d];
     r[d] = s.R.a[d][0] * q0[0] + s.R.a[d][1] * q0[1] + s.R.a[d][2] * q0[2];
     q[d] = X + u[d];
@@ -466,7 +465,7 @@ void PenaltyLinks::release(std::size_t block, std::uint8_t freed, vd energy, boo
 }
 
 // Energy that is released if a force ends within a step, k delta(t) delta(t - dt)/2. The force works with its last
-// value over half of the motion of that step. Stiff links swing by much in a step.
+// value over half of the motion of that step. Stiff links move much within a step.
 template <class L>
 vd PenaltyLinks::energy_of_ending(const L& law, std::size_t block, const Grid& grid, const BondEnd& s, double dt) const {
   const LinkBlock& b = blocks_[block];

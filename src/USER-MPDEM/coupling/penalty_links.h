@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Penalty coupling of cement to rigid grains. A link holds the vector q0 from the centre of the grain to its place on
-// the bond, fixed in the grain. It compares this with the current vector q_t to the same place in the cement:
+// Penalty coupling of cement to rigid grains. A link has the vector q0, fixed in the grain, from the centre of the
+// grain to the point where it acts. It compares this with the current vector q_t to the same point in the cement:
 //
 //   delta = q_t - R q0,  n = R q0/|q0|,
 //   f = -A (k_n (delta.n) n + k_t (delta - (delta.n) n)) - damping,   on the cement
 //   -f and -q_t x f on the grain.
 //
 // f and the moment derive from U = delta_b.K0.delta_b/2 in the frame of the grain. The lever arm must be q_t. Otherwise
-// angular momentum is lost when k_n != k_t. The place is the foot point on the grain's surface (`at surface`) or the
-// material point itself (`at points`).
+// angular momentum is lost when k_n != k_t. The link acts at the foot point on the grain's surface (`at surface`) or at
+// the material point itself (`at points`).
 //
-// At the foot point the field is the polynomial of the cell of the *material point*, continued to the foot. Mostly both
-// lie in one cell. If not, a node may have the foot point in its support, but no material point. Such a node has no
-// stiffness and would give way until the penalty force on it vanishes. (The stiffness of a bond is up to 14 % low if
-// the grid lies badly.) Continuation is the remedy of extended B-splines (Hoellig, Reif & Wipper, SIAM J. Numer. Anal.
-// 39 (2001) 442). The weights sum to one and reproduce linear fields, so momentum and angular momentum stay exact. Some weights are negative.
+// At the foot point the field is the polynomial of the cell of the *material point*, continued to the foot point.
+// Mostly both lie in one cell. If not, a node may have the foot point in its support, but no material point. Such a
+// node has no stiffness and would move until the penalty force on it vanishes. (The stiffness of a bond would be up to
+// 14 % low for unfavourable positions of the grid.) Continuation is the remedy of extended B-splines (Hoellig, Reif &
+// Wipper, SIAM J. Numer. Anal. 39 (2001) 442). The weights sum to one and reproduce linear fields, so momentum and
+// angular momentum are exact. Some weights are negative.
 //
-// This is the elastic law. In general a traction law gives the force per area as a function of delta, see traction_law.h.
+// This is the elastic law. In general the force per area is a function of delta, see traction_law.h.
 //
 // An object has the links of one bond on one rank. Stiff links need added mass at the nodes, see added_mass.h.
 #ifndef MPDEM_COUPLING_PENALTY_LINKS_H
@@ -45,13 +46,14 @@ struct PenaltyParameters {
   std::shared_ptr<const TractionLaw> law;
   double damping = 0;  // share of critical damping, for the spring with the mass of its point
   bool at_surface = true;
-  double friction = -1;  // friction of places that let go, see debonded_contact.h; below 0: they touch nothing
-  // Largest stiffness of such a place, in pressure over length. A node near its grain takes up added mass, which
-  // slows it, and gives it up when it goes. If that is many times the mass of the cement there, impacts lose most of its motion.
+  double friction = -1;  // friction coefficient of contact points, see debonded_contact.h; below 0: no contact
+  // Largest stiffness of a contact point, in pressure over length. A node near its grain gains added mass, which slows
+  // it, and loses it when it leaves. If that is many times the mass of the cement there, impacts lose most of its
+  // motion.
   double most_contact = std::numeric_limits<double>::infinity();
   TractionStiffness contact() const { return {std::min(law->stiffness().kn, most_contact), std::min(law->stiffness().kt, most_contact)}; }
-  // Stiffness of links, and of places that let go, by which they ask for added mass. The factor with friction is there
-  // because sliding friction depends on the normal force.
+  // Stiffness of links and of contact points for the added mass. The factor with friction is there because sliding
+  // friction depends on the normal force.
   double stiffest() const { return with_friction(law->stiffness()); }
   double stiffest_contact() const { return with_friction(contact()); }
 
@@ -64,77 +66,78 @@ struct PenaltyParameters {
 
 // Changes of the links in a step, for a law with a state.
 struct LinkStep {
-  double dissipated = 0, released = 0;  // energies: spent by the law, and other energy of springs that soften, let go, open or close
-  std::vector<int> debond;              // links of the store that let go although their points hold
+  double dissipated = 0, released = 0;  // energies: dissipated by the law, and other energy of springs that soften, debond, open or close
+  std::vector<int> debond;              // links of the store that debond from intact points
 };
 
-// `side` always points to the first of the two sides of the bond. The second follows it.
+// `ends` points to end 0 of the bond. End 1 follows it.
 class PenaltyLinks {
  public:
   PenaltyLinks() = default;
-  // Lays out the links of the store in blocks of one side. Call add_cells() before the grid is built.
+  // Lays out the links of the store in blocks of one grain. Call add_cells() before the grid is built.
   PenaltyLinks(const PointStore& points, const BondRecord& record, const PenaltyParameters& parameters, double cell, double density,
                Basis basis = Basis::quadratic);
   void add_cells(std::vector<Grid::Cell>& cells);
-  // Finds the columns if the grid is built already, instead of add_cells(). Returns false if the grid has not all the nodes.
+  // Finds the columns in a grid that is built already, instead of add_cells(). Returns false if the grid has not all
+  // the nodes.
   bool find_columns(const Grid& grid);
 
-  // Finds how far the cement carries the places of the links in dt with the present velocity of the nodes.
+  // Finds how far the cement carries the positions of the links in dt with the present velocity of the nodes.
   void find_moves(const Grid& grid, double dt);
-  // Moves the places by find_moves(), and the cement's ends of the links in the store. Returns true if the point of a
-  // link left its cell, or if links are gone. Call follow_points() then.
+  // Moves the positions by find_moves(), and the cement's ends of the links in the store. Returns true if the point of
+  // a link left its cell, or if links are gone. Then call follow_points().
   bool remap_contacts(PointStore& points);
-  // Makes the blocks that a new layout would have. Returns false if the grid has not all the nodes. Only for grids without ties.
+  // Makes the blocks that a new layout would have. Returns false if the grid has not all the nodes. Only for grids
+  // without constrained nodes.
   bool follow_points(const PointStore& points, const BondRecord& record, const Grid& grid);
-  // Makes the present the reference of the cement's ends in the store. A new layout must follow.
+  // Makes the present positions the reference of the cement's ends in the store. A new layout must follow.
   void move_to_present(PointStore& points, const Grid& grid) const;
-  // Follows the links to their new places after PointStore::sort_links().
+  // Updates the indices of the links after PointStore::sort_links().
   void renumber(const std::vector<int>& new_index);
-  // Follows points that went to other parts, and nodes that went to other places (Grid::add_nodes()). Throws
-  // std::logic_error if the nodes of a link are not there.
+  // Updates the columns for points that moved to other layers, and for nodes with new indices (Grid::add_nodes()).
+  // Throws std::logic_error if the grid does not have the nodes of a link.
   void follow_layers(const PointStore& points, const Grid& grid, const std::vector<int>& new_index);
 
   // Adds the forces of the present positions and states to nodes and grains.
   void add_force(Grid& grid, BondEnd* ends) const;
-  // Does this after it updated the state of the traction law, here and in the links of the store, for the present
-  // positions. These are dt after the previous ones. Unchanged positions change no state.
+  // Updates the state of the traction law for the present positions, here and in the links of the store, and then adds
+  // the forces. The positions are dt after the previous ones. Unchanged positions change no state.
   void follow_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step);
-  // Power that the dampers take. The force is that of the stored velocity. Power::after() gives the power for a
+  // Power that the dampers dissipate. Their force is that of the stored velocity. Power::after() gives the power for a
   // velocity that is a time of the acceleration later.
   Power damper_power(const Grid& grid, const BondEnd* ends) const;
-  // Largest speed of the cement against the grain at a link.
+  // Largest speed of the cement relative to the grain at a link.
   double fastest(const Grid& grid, const BondEnd* ends) const;
-  // Adds the energy that the traction law stores.
   void add_spring_energy(const Grid& grid, const BondEnd* ends, double& energy) const;
 
-  // Frees the links of points that failed (slots, ascending; links of the store ascend in slot). Adds the energy that
-  // they gave up to `released`. Returns the links of the store that held until now, ascending. With a law that keeps
-  // skins they stay attached without a force: a failed point has no stress, and shares its nodes with the cement that
-  // came off it. Freed links count for the added mass until drop_inertia() is called.
+  // Debonds the links of points that failed (slots, ascending; links of the store ascend in slot). Adds the energy that
+  // they release to `released`. Returns the links of the store that were attached until now, ascending. With a law that
+  // leaves residue they stay attached without a force: a failed point has no stress, and shares its nodes with the
+  // cement that separated from it. Debonded links count for the added mass until drop_inertia() is called.
   std::vector<int> debond(PointStore& points, const std::vector<int>& failed, const Grid& grid, const BondEnd* ends, double dt,
                           double& released);
-  bool drop_inertia(PointStore& points);  // returns true if some links were inert
+  bool drop_inertia(PointStore& points);  // returns true if some debonded links counted until now
   // Makes the blocks that a new layout would have, for unchanged points and nodes.
   void remove_dropped(const PointStore& points, const BondRecord& record);
   // Adds the row-summed stiffness of this rank's links, and of their dampers at this time step, to two numbers a node,
-  // one for each side. The stiffness of links that read tied nodes goes to the masters.
+  // one for each grain. The stiffness of links at constrained nodes goes to the masters.
   void add_stiffness(const Grid& grid, const BondEnd* ends, double dt, double* penalty) const;
 
-  // Secant stiffness of the links of a block in the present state, times their area; zero if they let go. arm: from the
-  // centre of the grain to the place in the cement, so a rotation of both together gives no strain.
+  // Secant stiffness of the links of a block in the present state, times their area; zero if debonded. arm: from the
+  // centre of the grain to the position in the cement, so a rotation of both together gives no strain.
   struct Secant {
     vd n[3], arm[3], kn, kt;
   };
   std::vector<Secant> secants(const Grid& grid, const BondEnd* ends) const;
   // Adds the forces due to small displacements x of the nodes, and due to small motions of the two grains: translation
   // of the centre, then rotation. `load` is on the grains, force and moment about the centre. The result is linear and
-  // symmetric: the effect of a rotation on present forces is left out.
+  // symmetric: the effect of a rotation on present forces is neglected.
   void add_small_force(const std::vector<Secant>& secants, const double* x, const double (*motion)[6], double* force,
                        double (*load)[6]) const;
 
   const PenaltyParameters& parameters() const { return p_; }
   bool empty() const { return blocks_.empty(); }
-  // Shares lists with other bonds that have equal ones.
+  // Shares lists with bonds that have equal ones.
   void share(AlikeLists& alike);
   std::size_t memory_usage() const;
 
@@ -153,7 +156,7 @@ class PenaltyLinks {
     }
   };
 
-  // One bit for each lane: the link holds; the link has added mass.
+  // One bit for each lane: the link is attached; the link counts for the added mass.
   struct LinkFlags {
     std::uint8_t attached = 0, inert = 0;
   };
@@ -162,14 +165,14 @@ class PenaltyLinks {
     vd X[3];
   };
 
-  // Links are ordered by side, by the cell of the foot, which never changes, and by the ID of the point. Cells have few
-  // links, and blocks of one cell would be half empty. So a block has links of several cells.
+  // Links are ordered by grain, by the cell of the foot point, which never changes, and by the ID of the point. Cells
+  // have few links, and blocks of one cell would be half empty. So a block has links of several cells.
   struct Item {
-    std::array<int, 5> key;  // side, cell, ID
+    std::array<int, 5> key;  // grain 0 or 1, cell, ID
     int link;
   };
 
-  // True if the link is attached and no skin.
+  // True if the link is attached and its point is not residue.
   bool is_bonded(const PointStore& points, const Link& k) const {
     return k.attached && !(p_.law->leaves_residue() && points.has_failed(k.slot));
   }
@@ -183,7 +186,7 @@ class PenaltyLinks {
   const int* columns(const LinkBlock& b) const { return columns_.data() + kLanes * number_of(b) * columns_of_cell_; }
   const vd* created_at(const LinkBlock& b) const { return created_.empty() ? b.X : created_[number_of(b)].X; }
   void keep_created();
-  // Value of a nodal field at the places of a block.
+  // Value of a nodal field where the links of a block act.
   template <class Type>
   void gather(const std::vector<double>& nodal, const LinkBlock& b, const Weights<Type>& w, vd* out) const;
   // Stored energy of each lane.
@@ -194,16 +197,15 @@ class PenaltyLinks {
                           const vd* v, double dt);
   template <class L>
   vd energy_of_ending(const L& law, std::size_t block, const Grid& grid, const BondEnd& s, double dt) const;
-  // State of a block, in the type of its traction law.
   template <class L>
   typename L::State state(const L&, std::size_t block) const;
   void release(std::size_t block, std::uint8_t freed, vd energy, bool is_residue, PointStore& points, double& released);
   void take_states(const PointStore& points);
-  // Not inlined, nor is add_force_of(), so that positions and states have the same forces to the bit with and without follow_block().
+  // Neither this nor add_force_of() is inlined, so that forces are bitwise identical with and without follow_block().
   template <class Type>
   __attribute__((noinline)) void compute_gap(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, vd* q,
                                              vd* delta, vd* n) const;
-  // Calls f(block, weights, q, delta, n) for the blocks with links that are attached.
+  // Calls f(block, weights, q, delta, n) for the blocks with attached links.
   template <class F>
   void each_attached(const Grid& grid, const BondEnd* ends, F f) const;
   template <class L, class Type>
@@ -212,7 +214,7 @@ class PenaltyLinks {
   template <class L, class Type>
   void follow_block(const L& law, std::size_t block, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, PointStore& points,
                     const Grid& grid, const BondEnd& s, double dt, LinkStep& step);
-  // Velocity of the place in the cement relative to the grain.
+  // Velocity of the cement relative to the grain where the links act.
   template <class Type>
   void find_velocity(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, const vd* q, vd* v) const;
   // Finds this velocity v, and the force f of the dampers.
@@ -225,16 +227,16 @@ class PenaltyLinks {
   double cell_ = 0, inverse_h_ = 0, density_ = 0;
   int row_ = 0, columns_of_cell_ = 0;
   bool gone_ = false;  // some links have neither force nor added mass, by the last remap_contacts()
-  // Lists that bonds of one shape share: blocks, and for each lane its columns of nodes (see Grid) and its part.
+  // Lists that bonds of one shape share: blocks, and for each lane its columns of nodes (see Grid) and its layer.
   SharedList<LinkBlock> blocks_;
   SharedList<int> columns_;
   SharedList<int> layers_;
   std::vector<LinkFlags> holding_;  // one for each block
   std::vector<vd> states_;          // states of the traction law, its fields for each block; equal to those of the store
-  std::vector<Gaps> moves_;         // moves of the places of each block in this step, `updated` only
-  std::vector<Gaps> created_;       // places of the links of each block at creation; empty: the places where they act
+  std::vector<Gaps> moves_;         // moves of the links of each block in this step, `kinematics updated` only
+  std::vector<Gaps> created_;       // positions of the links of each block at creation; empty: where they act
   std::vector<vd> dampers_;         // damping coefficient over sqrt(k), for each block; empty without damping
-  // Centres of the grains at creation, and their orientation to the axes of the body.
+  // Centres of the grains at creation, and the rotations from their frames to the axes of the bond.
   double centre_[2][3] = {};
   Mat3<double> orientation_[2];
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Elastic springs. They hold until the point of the link fails. The traction is kn delta_n n + kt delta_t.
+// Elastic springs. They fail only with the point of the link. The traction is kn delta_n n + kt delta_t.
 #ifndef MPDEM_COUPLING_PENALTY_TRACTION_H
 #define MPDEM_COUPLING_PENALTY_TRACTION_H
 

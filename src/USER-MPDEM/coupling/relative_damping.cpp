@@ -20,7 +20,7 @@ double RelativeDamping::rate(double thickness, double critical_share, double she
 
 std::vector<char> nodes_held(const PointStore& points, Grid& grid) {
   const std::vector<int> row = grid.ties.row_of_each(grid.size());
-  // A copy moves as the single node that it is tied to.
+  // A copy that is constrained to a single node moves with it.
   const auto that_moves = [&](int i) {
     int masters = 0, master = i;
     if (row[i] >= 0)
@@ -64,7 +64,7 @@ std::vector<double> shares_of_second_grain(const Grid& grid, const BondRecord& r
     }
     const double sum = depth[0] + depth[1];
     share[i] = sum > 0.0 ? depth[0] / sum : 0.5;
-    if (!held.empty() && held[i] != kConnectedToBoth) share[i] = held[i] - 1.0;  // 0: the first grain, 1: the second, -1: none
+    if (!held.empty() && held[i] != kConnectedToBoth) share[i] = held[i] - 1.0;  // 0: only grain 0, 1: only grain 1, -1: none
   }
   return share;
 }

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Damping that leads a loaded bond to rest without holding its grains back. Every node is slowed relative to the
-// velocity it would have if the cement followed its two grains,
+// Damping that brings a loaded bond to rest without slowing its grains. Every node is slowed relative to the velocity
+// that it would have if the cement followed its two grains,
 //   f = -rate m (v - (1 - s) v_1(x) - s v_2(x)),   s = d_1/(d_1 + d_2),
 // with v_g the rigid motion of grain g at the node, and d_g the distance of the node from the surface of the grain at
-// creation. Grains take the reaction by the same shares, so momentum is kept. The rate is a share of twice the
-// angular frequency of a shear wave across the thickest place, 2 pi c_s/thickness. This is critical damping of about
-// the slowest motion.
+// creation. Grains take the reaction by the same shares, so momentum is kept. The rate is a share of twice the angular
+// frequency of a shear wave across the largest thickness, 2 pi c_s/thickness. This is about the critical damping of the
+// slowest motion.
 //
-// Once a bond has come apart, each piece follows only the grain that it still holds to, and loose pieces are not
-// damped. The force of one grain at the place of another, in flight, would have a lever arm that grows until the step
-// is unstable. For the same reason a node that is farther than kReach radii from a grain is not damped.
+// In a separated bond, each piece follows only the grain to which it is connected, and fragments are not damped. In
+// flight the force of a grain at a distant node would have a lever arm that grows until the step is unstable. For the
+// same reason a node that is farther than kReach radii from a grain is not damped.
 #ifndef MPDEM_COUPLING_RELATIVE_DAMPING_H
 #define MPDEM_COUPLING_RELATIVE_DAMPING_H
 
@@ -26,15 +26,16 @@
 
 namespace mpdem {
 
-// For each node the bits (as in PointRecord::holds) of the grains to which points with this node in their support held
-// when their bond was last examined. Points that failed since then count, so this is the same at any time until the next
-// examination. A copy that is tied to one node has the bits of that node. Collective for the ranks that share nodes.
+// Collective among the ranks that share nodes. For each node the bits (as in PointRecord::connected) of the grains to
+// which points with this node in their support were connected at the last check of their bond. Points that failed since
+// then count, so the result is the same until the next check. A copy that is constrained to a single node has the bits
+// of that node.
 std::vector<char> nodes_held(const PointStore& points, Grid& grid);
 
-// s of each node. Below 0 for a loose piece, which follows no grain. held: nodes_held() of a bond that came apart, else empty.
+// s of each node. Below 0 for a fragment, which follows no grain. held: nodes_held() of a separated bond, else empty.
 std::vector<double> shares_of_second_grain(const Grid& grid, const BondRecord& record, const std::vector<char>& held);
 
-// Damping of one bond. `side` always points to the first of its two sides. The second follows it.
+// Damping of one bond. `ends` points to end 0 of the bond. End 1 follows it.
 class RelativeDamping : public BondMechanism {
  public:
   RelativeDamping() = default;
@@ -47,8 +48,8 @@ class RelativeDamping : public BondMechanism {
 
   // Adds the force to nodes after their sum over ranks, and the reaction to grains before their sum over ranks.
   void add_force(Grid& grid, BondEnd* ends) const;
-  // Power that damping takes from the nodes that this rank counts (mpm/power.h): its force with the velocity, and with
-  // the acceleration. The force is that of the stored velocity.
+  // Power that damping dissipates at the nodes that this rank counts (mpm/power.h): its force with the velocity, and
+  // with the acceleration. The force is that of the stored velocity.
   Power power(const Grid& grid, const BondEnd* ends) const;
   std::size_t memory_usage() const override { return eights_.capacity() * sizeof(Eight); }
 
@@ -57,7 +58,6 @@ class RelativeDamping : public BondMechanism {
     EightNodes nodes;
     vd share;  // s
   };
-  // Eight nodes as they move.
   struct Moving {
     vd share[2];  // shares of the grains in the motion of the nodes
     vd r[2][3];   // vectors from the centres of the grains

@@ -57,7 +57,8 @@ inline T cotangent(T a2) {
   constexpr double c[] = {1.0 / 12, 1.0 / 720, 1.0 / 30240, 1.0 / 1209600, 1.0 / 47900160, 691.0 / 1307674368000.0};
   return value(c, a2, [](double a) { return (1.0 - 0.5 * a / std::tan(0.5 * a)) / (a * a); });
 }
-// Returns a/sin a for an angle a below half a turn. The argument is the square of the sine, since the cosine of a small angle has lost its digits.
+// Returns a/sin a for an angle a below pi. The argument is the square of the sine, since the cosine of a small angle
+// has lost its digits.
 inline double over_sine(double sine2, double cosine) {
   constexpr double c[] = {1.0,           1.0 / 6,       3.0 / 40,        5.0 / 112,         35.0 / 1152,      63.0 / 2816,
                           231.0 / 13312, 143.0 / 10240, 6435.0 / 557056, 12155.0 / 1245184, 46189.0 / 5505024};
@@ -115,12 +116,13 @@ inline Three<T> turned_back(const Mat3<T>& q, const Three<T>& x) {
 
 template <class T>
 struct RelativeMotion {
-  Mat3<T> Q0, Q;                // axes of the first grain, and axes half-way to the second
+  Mat3<T> Q0, Q;                // rotation of grain 0, and axes half-way to grain 1
   Three<T> r[2], delta, theta;  // r: from the centres to the p_s
   Three<T> apart;               // from centre to centre
 
   RelativeMotion() = default;
-  // turn: rotations of both grains since the creation. arm: from their centres to the middle of the contact at the creation.
+  // turn: rotations of both grains since the creation. arm: from their centres to the middle of the contact at the
+  // creation.
   RelativeMotion(const Mat3<T>* turn, const Three<T>* arm, const Three<T>& from_centre_to_centre)
       : Q0(turn[0]), apart(from_centre_to_centre) {
     for (int s = 0; s < 2; ++s) r[s] = turned(turn[s], arm[s]);
@@ -144,8 +146,8 @@ struct RelativeMotion {
     delta = turned_back(Q, apart + r[1] - r[0]);
   }
 
-  // Finds force and moment on the second grain, about its centre, from the derivatives of the energy by delta and
-  // theta. The first grain has the opposite force, and the moment -M - apart x F.
+  // Finds force and moment on grain 1, about its centre, from the derivatives of the energy by delta and theta. Grain 0
+  // has the opposite force, and the moment -M - apart x F.
   void load(const Three<T>& of_delta, const Three<T>& of_theta, Three<T>& F, Three<T>& M) const {
     const T half = T{} + 0.5;
     const Three<T> h = half * theta, turn = cross(of_delta, delta), once = cross(h, turn);

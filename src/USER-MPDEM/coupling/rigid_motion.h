@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Rigid motion of a grain at a place, and what a force at that place does to the grain. r is the vector from the centre
-// of the grain to the place. T is a number, or the numbers of eight places side by side.
+// Rigid motion of a grain at a position, and the load on the grain of a force there. r is the vector from the centre of
+// the grain to the position. T is a number, or the numbers of eight positions, one a lane.
 #ifndef MPDEM_COUPLING_RIGID_MOTION_H
 #define MPDEM_COUPLING_RIGID_MOTION_H
 
@@ -47,7 +47,6 @@ inline void add_to_grain(const double* r, const double* f, double scale, double*
 }
 inline void add_to_grain(const double* r, const double* f, double scale, BondEnd& s) { add_to_grain(r, f, scale, s.force, s.torque); }
 
-// Takes forces at eight places from a grain.
 inline void take_from_grain(const vd* r, const vd* f, BondEnd& s) {
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, g = (d + 2) % 3;

@@ -23,7 +23,7 @@ void SharedImpulse::follow_grains(const Grid& grid, const BondRecord& record, co
   share_ = shares_of_second_grain(grid, record, held);
 }
 
-// If nothing failed, the mass is to the bit that of the nodes.
+// If nothing failed, the mass is bitwise that of the nodes.
 void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double density) {
   if (stale_) {
     const bool some_failed = points.any_failed();
@@ -37,7 +37,6 @@ void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double den
   holding_ = here_;
 }
 
-// Share of the mass of a node that belongs to points that hold.
 double SharedImpulse::layer_held(const Grid& grid, int node) const {
   return holding_.empty() || grid.mass[node] == 0.0 ? 1.0 : std::min(1.0, holding_[node] / grid.mass[node]);
 }

@@ -2,19 +2,19 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Impulses on grains that their cement shares. With sub-steps the load of the host acts on a grain only once in several
-// sub-steps. The cement would ring from it, and some of its modes would be in step. So such an impulse moves grains and
-// cement together. With the change of acceleration A_s of the grains a node has
+// sub-steps. It would excite vibrations of the cement, and some of its modes would be in resonance. So such an impulse
+// moves grains and cement together. With the change of acceleration A_s of the grains a node has
 //
 //   a = (1 - s) P_0 A_0 + s P_1 A_1,   P_g the rigid motion of grain g at the node, s as in relative_damping.h,
 //
 // due to the force m a, and c (a - P_g A_g) for its added mass c of grain g. The reaction to the first acts on the
-// grains by the same shares, and that to the second on grain g, each at the place of the node. So momentum and angular
-// momentum are kept. The mass of the node is then part of the mass matrix of the grains, as that of a condensed bond is
-// (grain_accelerations.h). Loose pieces follow no grain. The part of m and c that belongs to failed points does not
-// follow either: nothing would hold such points back, and they would gain speed with each step.
+// grains by the same shares, and that to the second on grain g, each at the position of the node. So momentum and
+// angular momentum are kept. The mass of the node is then part of the mass matrix of the grains, as that of a condensed
+// bond is (grain_accelerations.h). Fragments follow no grain. The share of m and c that belongs to failed points does
+// not follow either: no stress would hold such points back, and they would gain speed with each step.
 //
-// If the cement moves with the grains by these shares, the work of the impulse on nodes equals what the reaction takes
-// from the grains. If the cement gives way, it does not. So the books of energy count the work on the nodes.
+// If the cement moves with the grains by these shares, the work of the impulse on nodes equals the work of the reaction
+// on the grains. Otherwise it does not. So the energy balance counts the work on the nodes.
 #ifndef MPDEM_COUPLING_SHARED_IMPULSE_H
 #define MPDEM_COUPLING_SHARED_IMPULSE_H
 
@@ -29,25 +29,26 @@
 
 namespace mpdem {
 
-// Shared impulse of one bond. `side` always points to the first of its two sides. The second follows it.
+// Shared impulse of one bond. `ends` points to end 0 of the bond. End 1 follows it.
 class SharedImpulse : public BondMechanism {
  public:
-  // Must be called before the first push.
+  // Must be called before the first impulse.
   void follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) override;
   void points_failed(const BondAtWork&, const std::vector<int>&, const std::vector<int>&, Losses&) override { stale_ = true; }
-  // Forgets the last push, which acts at the end of its step alone.
+  // Forgets the last impulse, which acts only at the end of its step.
   void add_force(const BondAtWork&, Losses&) override { force_.clear(); }
-  // Finds the mass of the points of this rank that hold. Call it before a push. The caller sums holding() over the ranks that share nodes.
+  // Finds the nodal mass of the intact points of this rank. Call it before an impulse. The caller sums holding() over
+  // the ranks that share nodes.
   void weigh(const PointStore& points, const Grid& grid, double density);
   std::vector<double>& holding() { return holding_; }
 
   // Adds the moments of the mass of the nodes that this rank counts: about each grain with the masses m (1-s)^2 and m
   // s^2, and shared with the mass m s (1-s).
   void add_moments(const Grid& grid, const BondEnd* ends, EndMoments* of_ends) const;
-  // Takes the change of acceleration of the grains from the sides. Adds the forces to nodes after their sum over ranks,
+  // Reads the change of acceleration of the grains from the ends. Adds the forces to nodes after their sum over ranks,
   // and the reaction to grains before their sum over ranks.
   void apply_impulse(Grid& grid, BondEnd* ends, const AddedMass& added);
-  // Power of the last push. Counts the nodes that this rank counts.
+  // Power of the last impulse, at the nodes that this rank counts.
   double load_power(const Grid& grid, const std::vector<double>& velocity) const override;
   std::size_t memory_usage() const override {
     return (share_.capacity() + holding_.capacity() + here_.capacity() + force_.capacity()) * sizeof(double);
@@ -56,9 +57,9 @@ class SharedImpulse : public BondMechanism {
  private:
   double layer_held(const Grid& grid, int node) const;
 
-  std::vector<double> share_;           // share s of the second grain; below 0: no grain
-  std::vector<double> holding_, here_;  // mass of points that hold, on all ranks and on this rank; empty: the mass of the nodes
-  std::vector<double> force_;           // forces of the last push on the nodes
+  std::vector<double> share_;           // share s of grain 1; below 0: no grain
+  std::vector<double> holding_, here_;  // nodal mass of intact points, on all ranks and on this rank; empty: the mass of the nodes
+  std::vector<double> force_;           // forces of the last impulse on the nodes
   bool stale_ = true;
 };
 

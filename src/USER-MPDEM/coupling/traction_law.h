@@ -1,25 +1,26 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A traction law of the links between cement and grains: the force per area as a function of the separation of the two
-// places. A law is one class in one file, derived from TractionLawOf<itself>, and one line in traction_laws.h. It does
-// not depend on nodes, grains and added mass. These only ask it for its stiffness.
+// A traction law of the links between cement and grains: the force per area as a function of the separation of material
+// point and foot point. A law is one class in one file, derived from TractionLawOf<itself>, and one line in
+// traction_laws.h. It does not depend on nodes, grains and added mass. These only use its stiffness.
 //
 // The virtual functions of TractionLaw are called once a run. The members below are called in the loop over blocks of
 // links. They belong to the class itself, and with_traction() of traction_laws.h compiles them into the loop. They work
 // on eight links at a time, in the frame of the normal n of the grain's surface:
 //
-//   kName, kFields          its word after `interface`; numbers that a link keeps, at most kMostLinkFields of mpm/point_record.h.
-//                           They go from 0, in a link that was never loaded, to 1; the first is the damage of the link.
-//   kLeavesResidue             see TractionLaw::leaves_residue()
-//   State                   these numbers for eight links: kFields times a vd
-//   words()                 the words after its name, see LawWord; the constructor takes the stiffness and their values
-//   secant(delta, state)    stiffness kn and kt by which the traction is kn delta_n n + kt delta_t. At most stiffness().
-//   energy(delta, state)    per area, stored
+//   kName                  its keyword after `interface`
+//   kFields                number of state variables of a link, at most kMostLinkFields of mpm/point_record.h. They
+//                          rise from 0, in a link that was never loaded, to 1. The first is the damage of the link.
+//   kLeavesResidue         see TractionLaw::leaves_residue()
+//   State                  these variables for eight links: kFields times a vd
+//   words()                the options after its name, see LawWord; the constructor gets the stiffness and their values
+//   secant(delta, state)   stiffness kn and kt, at most stiffness(), of the traction kn delta_n n + kt delta_t
+//   energy(delta, state)   per area, stored
 //
 // Laws with a state also have
 //
-//   update(delta, state)    changes the state by the separation, see TractionUpdate. The same separation again changes nothing.
+//   update(delta, state)   updates the state for the separation, see TractionUpdate. Repetition changes nothing.
 #ifndef MPDEM_COUPLING_TRACTION_LAW_H
 #define MPDEM_COUPLING_TRACTION_LAW_H
 
@@ -39,7 +40,7 @@ struct TractionStiffness {
 
 // Separation of eight links.
 struct LinkSeparation {
-  vd n;       // delta_n, positive where the place moved away from the grain
+  vd n;       // delta_n, positive where the cement moved away from the grain
   vd square;  // square of the length of the whole separation
   vd tangential_square() const { return max(square - n * n, vd{}); }
 };
@@ -51,11 +52,11 @@ struct TractionSecant {
 };
 
 struct TractionUpdate {
-  vd dissipated;        // energy per area that damage takes in this update
-  vmask grown, debond;  // the state changed; the link carries nothing from now on
+  vd dissipated;        // energy per area that damage dissipates in this update
+  vmask grown, debond;  // the state changed; the link carries no load from now on
 };
 
-// Length over which the front of a crack softens in front of a material of these elastic constants.
+// Length of the softening zone at a crack tip in a material of these elastic constants.
 struct SofteningLength {
   double length;
   const char *formula, *cure;
@@ -69,18 +70,18 @@ class TractionLaw {
   const TractionStiffness& stiffness() const { return stiffness_; }
   virtual const char* name() const = 0;
   virtual int fields() const = 0;
-  // True if a link stays attached when its point fails. The failed point is then a skin on the grain without force, and
-  // the crack is inside the cement.
+  // True if a link stays attached when its point fails. The failed point is then residue on the grain without force,
+  // and the crack is inside the cement.
   virtual bool leaves_residue() const = 0;
-  // Values of its words, in their order, at most LinksSoFar::kMostParameters. Later runs must have the same values.
+  // Values of its options, in their order, at most LinksSoFar::kMostParameters. Later runs must have the same values.
   virtual std::vector<double> parameters() const { return {}; }
   // Lengths that cells must resolve. Empty if there are none.
   virtual std::vector<SofteningLength> softening_lengths(const VtiConstants&) const { return {}; }
-  // Text of what is wrong with the words in combination, or an empty string.
+  // What is wrong with the combination of the options, or an empty string.
   virtual std::string trouble() const { return ""; }
 
  protected:
-  // Laws are copied as objects of their own class alone.
+  // Laws are copied only as objects of their own class.
   TractionLaw(const TractionLaw&) = default;
   TractionLaw& operator=(const TractionLaw&) = default;
 

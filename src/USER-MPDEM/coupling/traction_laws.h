@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The list of traction laws. A new law needs its include and the last place in `TractionLaws`, since restart files
-// number the laws. The words of fix mpm/couple, its messages and the loop over links follow from the list.
+// The list of traction laws. Append a new law to the end of `TractionLaws`, since restart files number the laws. The
+// options of fix mpm/couple, its messages and the loop over links follow from the list.
 #ifndef MPDEM_COUPLING_TRACTION_LAWS_H
 #define MPDEM_COUPLING_TRACTION_LAWS_H
 

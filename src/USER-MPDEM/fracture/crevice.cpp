@@ -37,8 +37,8 @@ double space_ahead(const CrevicePoint& p, const BondRecord& record, int d, int s
 
 namespace {
 
-constexpr double kGapFound = 0.5;       // share of the weight of all rows
-constexpr double kShareJoined = 0.125;  // share of bridges in all crossings
+constexpr double kGapFound = 0.5;       // weight of gaps over the weight of all rows
+constexpr double kShareJoined = 0.125;  // weight of bridges over that of all crossings
 
 // Sum of the weights of the crossings of a node.
 struct Crossings {
@@ -46,7 +46,7 @@ struct Crossings {
 };
 using Table = std::unordered_map<GridIndex, Crossings, GridIndexHash, SameGridIndex>;
 
-// Adds a crossing along axis d, from point a to point b of a row, to the nodes that have both in their support.
+// Adds a crossing along axis d, from point a to point b of a row, to the nodes from the support of b to that of a.
 template <class Type>
 void add_crossing(const CrevicePoint& a, const CrevicePoint& b, int d, const BondRecord& record, double inverse_h, bool bridge,
                   Table& table) {
@@ -73,7 +73,7 @@ void add_crossing(const CrevicePoint& a, const CrevicePoint& b, int d, const Bon
       }
 }
 
-// Calls f(a, b, axis) for adjacent points of a row, lower first, that are of different sheets.
+// Calls f(a, b, axis) for successive points of a row, lower first, that are on different sides.
 template <class F>
 void for_each_crossing(std::vector<CrevicePoint>& points, F f) {
   for (int d = 0; d < 3; ++d) {
@@ -89,14 +89,14 @@ void for_each_crossing(std::vector<CrevicePoint>& points, F f) {
 
 }  // namespace
 
-// Comparisons have a margin. No share of a lattice is near enough to a limit for rounding to decide.
+// Comparisons have a margin of 1e-6, so that rounding does not decide where a share equals its limit.
 Crevice find_crevice(std::vector<CrevicePoint>& points, const BondRecord& record, Basis basis, double cell) {
   Crevice result;
   const double all_rows = std::pow(cell / record.spacing, 2);
   with_basis(basis, [&](auto type) {
     using Type = decltype(type);
     const auto adjacent = [](const CrevicePoint& a, const CrevicePoint& b, int d) { return b.cell[d] - a.cell[d] == 1; };
-    Table gaps;  // most bodies have no gaps
+    Table gaps;  // first without bridges: most bonds have no gaps
     for_each_crossing(points, [&](const CrevicePoint& a, const CrevicePoint& b, int d) {
       if (!adjacent(a, b, d)) add_crossing<Type>(a, b, d, record, 1.0 / cell, false, gaps);
     });

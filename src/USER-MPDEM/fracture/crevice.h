@@ -1,25 +1,27 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The cement of one grain may run close to that of the other without touching it. Coatings do so beyond the ring in
-// which they meet. Shared nodes would bridge this gap: the bond behaves as if the ring were wider, 8 % too stiff with
-// cells of 0.2 mm. A body with such a crevice has two sheets: the material nearer to the one grain, and that nearer to the other. Nodes
-// are split between the sheets (phantom_nodes.h), except where these are joined.
+// Finds an unbonded gap (crevice) inside a bond. The cement of one grain may run close to that of the other without
+// touching it, as coatings do beyond the ring in which they meet. Shared nodes would bridge this gap: the bond behaves
+// as if the ring were wider, 8 % too stiff with cells of 0.2 mm. A bond with such a gap has two sides, the material
+// nearer to the one grain and that nearer to the other. Nodes are split between the sides (phantom_nodes.h), except
+// where these are joined.
 //
-// Rows of lattice points cross from sheet to sheet either from a point to its neighbour, over a bridge, or over a gap.
-// A body has a crevice if for some node half of all rows in its support cross over gaps. Each row has the weight of the
-// shape function across it. In a body with a crevice, neighbours in cut cells are examined again: their material may
-// end before it meets. Volume and centroid tell, except for points of a file that lie anywhere in their cells.
+// Rows of lattice points cross from side to side either from a point to its neighbour, over a bridge, or over a gap. A
+// bond has an unbonded gap if for some node half of all rows in its support cross over gaps. A row is weighted by the
+// shape function in the directions across it. In a bond with an unbonded gap, neighbours in cut cells are examined
+// again: their material may end before it meets. Volume and centroid show this, except for points of a file, which may
+// lie anywhere in their cells.
 //
-// A node is then joined if bridges make up at least an eighth of what crosses. The splines begin to open the jump of a
-// crack half their support before the first node that is its own, so that node lies beyond the end. (With a half the
-// coatings of test_bond_stiffness.py are 3 to 5 % too soft. A tenth gives the same result as an eighth.)
+// A node is joined if bridges have at least an eighth of the weight of its crossings. The displacement jump begins to
+// open half a support before the first split node, so this node must lie inside the gap, not at its edge. (With a half
+// the coatings of test_bond_stiffness.py are 3 to 5 % too soft. A tenth gives the same result as an eighth.)
 //
-// All nodes of points in the very middle of the bond are joined as well. The material of these points is of both
-// sheets, so it must not matter which sheet has the point. If the halves meet nowhere, they are points without a
-// lattice and no bond with a crevice. The body then has no crevice.
+// All nodes of points in the very middle of the bond are joined as well. The material of these points belongs to both
+// sides, so it must not matter to which side the point is assigned. If no node is joined, the points have no lattice,
+// and the bond counts as one without an unbonded gap.
 //
-// The code is serial and takes all points of a body that lie near the middle. The result does not depend on their order.
+// The code is serial and takes all points of a bond near its middle. The result does not depend on their order.
 #ifndef MPDEM_FRACTURE_CREVICE_H
 #define MPDEM_FRACTURE_CREVICE_H
 
@@ -35,8 +37,8 @@ namespace mpdem {
 struct CrevicePoint {
   double X[3];          // centroid of the material
   int cell[3];          // cell of the lattice
-  int sheet;            // nearer_side() of bond_record.h
-  double share;         // share of the cell that is filled
+  int sheet;            // its side of the gap, nearer_side() of bond_record.h
+  double share;         // filled share of the cell
   bool middle = false;  // in_the_middle() of bond_record.h
 };
 
@@ -45,19 +47,19 @@ struct Crevice {
   std::vector<std::array<int, 3>> joined;  // nodes, ascending
 };
 
-// A point of the store.
 CrevicePoint crevice_point(const PointStore& points, const BondRecord& record, int block, int lane);
 
 // The search needs only points with |nearer_to_first()| (bond_record.h) of at most this reach.
 inline double crevice_reach(Basis basis, double cell) { return 2.0 * support(basis) * cell; }
 
-// Empty space on the way out of the cell of a point, in direction d and upwards (side 1) or downwards (-1), in
-// spacings. Material is taken as a box about its centroid, and the volume missing in the box as a slit. Returns 0 in a body that is not regular.
+// Empty space, in spacings, between the material of a point and the face of its cell in direction d, upwards (side 1)
+// or downwards (-1). Material is taken as a box about its centroid, and the volume missing in the box as a slit.
+// Returns 0 in a bond that is not regular (BondRecord::regular).
 double space_ahead(const CrevicePoint& p, const BondRecord& record, int d, int side);
-// True if material of neighbours touches, with `space` the sum of the empty space between them.
+// True if the material of neighbours touches. space: sum of the empty space between them, in spacings.
 inline bool touches(double space) { return space <= 0.1 + 1e-6; }
 
-// Finds the crevice. Changes the order of the points.
+// Changes the order of the points. cell: width of a cell of the grid.
 Crevice find_crevice(std::vector<CrevicePoint>& points, const BondRecord& record, Basis basis, double cell);
 
 }  // namespace mpdem

@@ -11,13 +11,13 @@ namespace mpdem {
 
 namespace {
 
-// Finds the largest number of paths from grain to grain with no point in common. It is the largest flow through the
+// Finds the largest number of paths from grain to grain with no point in common. It is the maximum flow through the
 // graph in which each point is an entry and an exit, joined by an arc of capacity one. Augmenting paths are searched in
-// sweeps. A sweep passes each entry and exit once, starting nearest to the second grain, for paths of any length. Among
-// many small gaps paths of all lengths are needed, and a sweep for each length (Dinic) takes several times as long.
+// sweeps. A sweep passes each entry and exit once, the nearest to the second grain first, for paths of any length.
+// Among many small gaps paths of all lengths are needed. A sweep for each length (Dinic) takes several times as long.
 class Flow {
  public:
-  // near: for each point that may be passed the points across its faces, kNone if there is none. attached: for each point and grain.
+  // near: for each passable point those across its faces, kNone if there is none. attached: for each point and grain.
   Flow(std::vector<std::array<int, 6>> near, std::vector<std::array<char, 2>> attached)
       : near_(std::move(near)),
         attached_(std::move(attached)),
@@ -34,7 +34,7 @@ class Flow {
     }
   }
 
-  // Points of the least cut nearest to a grain (0, 1): the last points that can be reached from there.
+  // Points of the minimum cut nearest to a grain (0, 1): the last points that can be reached from there.
   std::vector<int> cut_near(int grain) {
     if (grain == 0) spread_from_first();
     else spread_from_second();
@@ -60,7 +60,7 @@ class Flow {
     queue_.push_back(node);
   }
 
-  // Finds the steps from each entry and exit to the second grain, 0 if no way leads there.
+  // Finds the number of steps from each entry and exit to the second grain, 0 if it cannot be reached.
   void spread_from_second() {
     level_.assign(level_.size(), 0);
     queue_.clear();
@@ -97,7 +97,7 @@ class Flow {
     }
   }
 
-  // Next node on the way from here to the second grain: that with the fewest steps left that this sweep has not met, or kNone.
+  // Next node towards the second grain: that with the fewest steps left which this sweep has not met, or kNone.
   int step(int node) const {
     const int i = node / 2;
     int best = kNone;
@@ -115,7 +115,7 @@ class Flow {
     return best;
   }
 
-  // Adds a path from this point at the first grain, if there is one that meets no node of this sweep. Returns true if there is.
+  // Adds a path from this point at the first grain over nodes that this sweep has not met. Returns false without one.
   bool augment(int start) {
     walk_.assign(1, entry(start));
     met_[entry(start)] = 1;
@@ -152,7 +152,7 @@ class Flow {
   std::vector<char> met_;
 };
 
-// The flow over the points that may be passed, and these points.
+// The passable points of a bond, and the flow over them.
 struct Bond {
   std::vector<int> points;
   Flow flow;
@@ -179,7 +179,7 @@ Bond bond_of(const std::vector<CrackPoint>& points, const Neighbours& near, Pass
   return {std::move(passed), Flow(std::move(across), std::move(held))};
 }
 
-// Damage of the point, or of a link that still holds it if that is larger.
+// Largest damage of the point and of its attached links.
 double weakness(const CrackPoint& p) {
   float most = p.damage;
   for (int g = 0; g < 2; ++g)
@@ -187,8 +187,8 @@ double weakness(const CrackPoint& p) {
   return most;
 }
 
-// Marks the points of the cut that are attached to a grain and also lead to it over other points. Such a point is the
-// only way on from the other grain, so it must fail.
+// Marks the points of the cut that are attached to a grain and also connected to it over points behind the cut. Paths
+// from the other grain would still lead over such a point if only its link failed, so the point must fail.
 std::vector<char> leading_on(const std::vector<int>& cut, const std::vector<CrackPoint>& points, const Neighbours& near) {
   std::vector<char> in_cut(points.size(), 0), leads_on(points.size(), 0);
   for (int i : cut) in_cut[i] = 1;

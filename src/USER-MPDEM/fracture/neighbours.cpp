@@ -39,7 +39,7 @@ bool Neighbours::square(int i, int face, std::vector<int>* beside) const {
       present[width * j + k] = pair[0] >= 0 && pair[1] >= 0;
       cut[width * j + k] = std::any_of(pair.begin(), pair.end(), [&](int p) { return p >= 0 && points_[p].failed; });
     }
-  // Chooses from the squares with most faces. At a rim these do not have all faces.
+  // The first of the squares with most faces that has no failed point. At a rim even these lack some faces.
   int most = 0, j_whole = -1, k_whole = -1;
   for (int j0 = 0; j0 < m; ++j0)
     for (int k0 = 0; k0 < m; ++k0) {
@@ -85,7 +85,7 @@ Neighbours::Neighbours(const std::vector<CrackPoint>& p, int across)
     for (std::size_t x = 1; x < first_.size(); ++x) first_[x] += first_[x - 1];
   }
   for (int f = 0; f < 6; ++f) {
-    std::size_t at = 0;  // the cells across this face are ordered as the cells themselves
+    std::size_t at = 0;  // increases only: the cells across this face are ordered as the cells themselves
     for (const auto& [cell, i] : cells) {
       face_[i][f] = -1;
       std::array<int, 3> across = cell;

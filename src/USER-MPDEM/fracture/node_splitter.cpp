@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Splits nodes, see phantom_nodes.h.
+// Class NodeSplitter, see phantom_nodes.h.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -59,12 +59,12 @@ NodeSplitter::NodeSplitter(std::vector<SplitterPoint> points, Basis basis, const
   seen_.assign(n, kOut);
 }
 
-// Number that for_each_node() gives to a node of the support with this base.
+// Returns the number that for_each_node() gives to a node of the support with this base.
 int NodeSplitter::number_of(const GridIndex& node, const GridIndex& base) const {
   return (S_ * (node[0] - base[0]) + node[1] - base[1]) * S_ + node[2] - base[2];
 }
 
-// Calls f for the points connected with a point. All points of one cell are connected.
+// Calls f for the points connected to a point. All points of one cell are connected.
 template <class F>
 void NodeSplitter::for_each_neighbour(int i, F f) const {
   const SplitterPoint& p = points_[i];
@@ -111,9 +111,9 @@ NodeChange NodeSplitter::fail(const std::vector<int>& tags, PhantomNodes& copies
   return split(nodes, copies);
 }
 
-// Adds the nodes that a failed point may part. It parts a node only if the points that touch it are not connected
-// around it in the support. Most are connected over the 26 points around it, so few nodes must be examined as a whole.
-// Points that fail at once count one after the other.
+// Adds the nodes that a failed point may split. It splits a node only if the points that share a face with it are not
+// connected around it in the support. Most are connected over the 26 points around it, so few nodes must be examined as
+// a whole. Points that fail in the same step are taken one after the other.
 void NodeSplitter::add_nodes_split_by(int i, const PhantomNodes& copies, std::vector<GridIndex>& nodes) const {
   const SplitterPoint& p = points_[i];
   if (!one_a_cell_) {
@@ -175,13 +175,13 @@ NodeChange NodeSplitter::split(const std::vector<GridIndex>& nodes, PhantomNodes
 }
 
 // True if `to` may be in the component of `from`. All points of a component have the same side and piece where these
-// count, so its first point stands for all.
+// count, so its first point represents them.
 bool NodeSplitter::is_way(int from, int to) const {
   const SplitterPoint &a = points_[from], &b = points_[to];
   return a.piece == b.piece && !(apart_ && a.nearer != b.nearer);
 }
 
-// Examines the copies of a node: the points of a copy may fall apart.
+// Splits each copy of a node whose points are not connected.
 void NodeSplitter::examine(const GridIndex& node, const PhantomNodes& copies) {
   std::map<int, std::vector<int>> groups;
   if (const PhantomNodes::Row* row = copies.row(node))
@@ -210,7 +210,7 @@ void NodeSplitter::split_group(const GridIndex& node, const std::vector<int>& gr
       });
   }
   if (components.size() > 1) {
-    // The largest component keeps the copy.
+    // the largest component keeps the copy
     std::vector<int> rank(components.size()), of(components.size());
     std::iota(rank.begin(), rank.end(), 0);
     std::stable_sort(rank.begin(), rank.end(), [&](int a, int b) { return components[a].size() > components[b].size(); });
@@ -242,14 +242,14 @@ void NodeSplitter::find_middles(const std::vector<std::vector<int>>& components,
   }
 }
 
-// Place of a point relative to the middle: along the line of centres, then along the next two axes.
+// Position of a point from the middle between the grains: along the line of centres, then along the next two axes.
 std::array<double, 3> NodeSplitter::position_from_middle(int i) const {
   const auto along = [&](int d) { return points_[i].base[d] + points_[i].at[d] - line_.middle[d]; };
   return {along(line_.axis), along((line_.axis + 1) % 3), along((line_.axis + 2) % 3)};
 }
 
-// True if point i goes with component a rather than b, which are at equal distance. The larger one wins, then the one
-// whose middle is nearer, then the criteria of the line of centres. These let mirrored and turned cracks split alike.
+// True if point i is assigned to component a rather than b, which are at equal distance, by the criteria of
+// phantom_nodes.h. They let mirrored and rotated cracks split alike.
 bool NodeSplitter::goes_with(int i, int a, int b) const {
   if (middles_[a].size != middles_[b].size) return middles_[a].size > middles_[b].size;
   long long distance[2] = {0, 0};
@@ -316,7 +316,7 @@ NodeChange NodeSplitter::colour(PhantomNodes& copies) {
     for (const auto& n : w.second) c.copy[number_of(n.first, c.base)].copy = n.second;
     classes[c].push_back(w.first);
   }
-  // Rows of the nodes concerned, from the points that do not change.
+  // Rows of the affected nodes, from the points that do not change.
   std::map<GridIndex, RowNow> rows;
   for (const auto& n : split_now_) rows[n.first];
   for (const auto& c : classes)
@@ -327,7 +327,7 @@ NodeChange NodeSplitter::colour(PhantomNodes& copies) {
   for (const auto& w : wanted_) changes[w.first] = 1;
   for (auto& r : rows) {
     const PhantomNodes::Row* before = copies.row(r.first);
-    int last = -1;  // points of a part mostly follow each other
+    int last = -1;  // points of a layer mostly follow each other
     std::vector<int> with_points;
     for_each_point(r.first, [&](int p) {
       const int layer = points_[p].layer;
@@ -338,7 +338,7 @@ NodeChange NodeSplitter::colour(PhantomNodes& copies) {
     });
     sort_unique(with_points);
     if (!before) continue;
-    for (const PhantomNodes::Entry& e : *before)  // a node that split stays so when the points of a copy left the scene
+    for (const PhantomNodes::Entry& e : *before)  // a node stays split when the points of a copy left the simulation
       if (!std::binary_search(with_points.begin(), with_points.end(), e.copy)) r.second.emplace(e.layer, Now{e, e.layer});
   }
   NodeChange change;
@@ -394,7 +394,7 @@ int NodeSplitter::free_layer(const Class& c, const std::vector<RowNow*>& rows) c
   return layer;
 }
 
-// Finds the connections from the classes, since these know the copy of each of their nodes.
+// Finds continuations from the layers of each cell, which have one copy of each node of its support.
 void NodeSplitter::find_continuations(PhantomNodes& copies) const {
   constexpr int kUnknown = -2, kNone = -1;
   PhantomNodes::Towards& continuations = copies.continuations();
@@ -429,7 +429,7 @@ void NodeSplitter::find_continuations(PhantomNodes& copies) const {
       });
     }
   }
-  // If only cells without split nodes have a pair of neighbours, both nodes are whole.
+  // If only cells without split nodes have both nodes of a pair in their support, these nodes are whole.
   for (auto& n : continuations) {
     const bool split = copies.row(n.first);
     for (PhantomNodes::Continuation& t : n.second)

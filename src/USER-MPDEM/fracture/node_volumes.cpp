@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Volumes of copies, see phantom_nodes.h.
+// Class NodeSplitter: volumes of copies, see phantom_nodes.h.
 #include <algorithm>
 
 #include "phantom_nodes.h"
 
 namespace mpdem {
 
-// Volumes of points times their weights at a node.
+// Sum of the volumes of points times their weights at a node.
 double NodeSplitter::volume_at(const GridIndex& node, const std::vector<int>& points) const {
   double sum = 0.0;
   with_basis(basis_, [&](auto type) {
@@ -23,8 +23,8 @@ double NodeSplitter::volume_at(const GridIndex& node, const std::vector<int>& po
   return sum;
 }
 
-// Shares the volume of a copy between its components. The largest keeps the copy, and the others are the next copies.
-// Components whose points all lie where the support ends have no volume. Then what failed points left goes to the largest.
+// Shares the volume of a copy between its components: rank[0] keeps the copy, and the others are copies from `next` on.
+// If the points of all components lie at the end of the support, the first one gets all.
 void NodeSplitter::share_volume(const GridIndex& node, const std::vector<int>& group, int copy, int next, const PhantomNodes& copies,
                                 const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
   double whole = -1.0, holds = 0.0;
@@ -47,7 +47,7 @@ void NodeSplitter::share_volume(const GridIndex& node, const std::vector<int>& g
 std::vector<GridIndex> NodeSplitter::leave(PhantomNodes& copies) const {
   struct Left {
     std::vector<int> holds, failed;    // points
-    double volume = 0.0, share = 0.0;  // volume of the first, and the former share of failed points
+    double volume = 0.0, share = 0.0;  // volume of intact points; former volume of failed points
   };
   std::vector<GridIndex> nodes;
   for (const auto& r : copies.rows()) nodes.push_back(r.first);

@@ -1,34 +1,36 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A node is split into as many copies as there are connected parts of material in its support. Material that a crack
-// has parted shares no node, wherever the crack ends, so nothing pulls across it. Two points are connected if a way
-// leads from one to the other that stays in the support, over points that hold and whose lattice cells share a face. At
-// the tip of a crack there is such a way around it, and the node is whole. The cement of one grain may run close to
-// that of the other without touching it, as coatings do beyond the ring in which they meet. There nodes are split from
-// the start: faces of lattice cells between the two count only if the material reaches them (touches()), and at nodes
-// where enough of it does (crevice.h). Copies never join again.
+// A node is split into as many copies (phantom nodes) as its support has connected components of material. Material on
+// the two sides of a crack then shares no node, wherever the crack ends, so no force acts across it. Two points are
+// connected if a path leads from one to the other that stays in the support, over intact points whose lattice cells
+// share a face. At a crack tip such a path leads around the tip, and the node is whole. The cement of one grain may run
+// close to that of the other without touching it, as coatings do beyond the ring in which they meet. There nodes are
+// split from the start: faces of lattice cells between the two sides connect points only if the material reaches them
+// (touches()), and only at nodes where enough of it does (crevice.h). Copies never merge.
 //
-// Nodes double by material, not by place, as in the phantom-node method (A. Hansbo, P. Hansbo, Comput. Methods Appl.
-// Mech. Engrg. 193, 2004, 3523-3540).
+// Nodes are duplicated by material, not by position, as in the phantom-node method (A. Hansbo, P. Hansbo, Comput.
+// Methods Appl. Mech. Engrg. 193, 2004, 3523-3540).
 //
-// The points of a cell that have the same copies of all nodes of their support are a class. A class lies in one part of
-// its bond (bond_record.h), and a part has one node at a place. So classes are coloured: those of one part agree wherever they
-// meet. If several parts have nodes of one copy, these are tied to the node of the first part (`canonical`). A whole node is that of part 0.
+// The points of a cell that have the same copies of all nodes of their support are a class. A class lies in one layer
+// of its bond (bond_record.h), and a layer has one node at each grid index. So classes are coloured: classes of one
+// layer have the same copy of each node that they share. If nodes of several layers are one copy, they are constrained
+// to the node of the first of these layers (`representative`). A whole node is that of layer 0.
 //
 // A copy keeps the mass that it had when it was made. When a copy is split, the new copies share its mass in proportion
-// to the material that holds. So mass and momentum of a node are the sums of those of its copies, whatever failed
-// between them, and no copy has less mass than the material that holds in it. When points leave the scene, a copy keeps what its
-// material that holds has, and what failed points have is shared as it was among the copies that points are left of.
+// to their intact material. So mass and momentum of a node are sums over its copies, whatever failed between them, and
+// no copy has less mass than its intact material. When points leave the simulation, a copy keeps the mass of its intact
+// material, and that of failed points is shared in the former ratio by the copies that still have points.
 //
-// Failed points carry nothing. They go with the nearest points that hold, in steps from cell to cell in the support, so
-// that they are shown where the crack left them. Among components at equal distance they go with the largest, then with
-// the one whose middle is nearer. Cells are few, so middles are often at equal distance, too. Then the line of centres
-// decides, by criteria that a mirror at the plane between the grains and quarter turns about the line do not change. In
-// this order: the middle is nearer to the line; it is nearer to that plane; it is more to a side of the plane through
-// the line and the point, then on the left of it; it is on the point's side of the plane between the grains.
+// Failed points carry no stress. Each is assigned to the nearest component of intact points, in steps from cell to cell
+// in the support, so that output shows it on its side of the crack. Of components at equal distance it is the largest,
+// then the one whose centre is nearer. Cells are few, so these distances are often equal, too. Then criteria about the
+// line of centres decide, which are invariant to reflection in the plane between the grains and to quarter turns about
+// the line. In this order: the centre is nearer to the line; it is nearer to that plane; it is farther from the plane
+// through the line and the point, then on the left of it; it is on the point's side of the plane between the grains.
 //
-// The code is serial and takes all points of one bond. The result does not depend on their order.
+// The code is serial and takes all points of one bond. The result does not depend on their order. An unknown tag throws
+// std::logic_error.
 #ifndef MPDEM_FRACTURE_PHANTOM_NODES_H
 #define MPDEM_FRACTURE_PHANTOM_NODES_H
 
@@ -49,20 +51,20 @@ class PhantomNodes {
  public:
   struct Entry {
     int layer, copy;
-    int first;      // copy at the start
+    int first;      // the copy at the start from which it descends
     double volume;  // volume of the copy: its mass over the density
   };
-  using Row = std::vector<Entry>;  // ascending in part
+  using Row = std::vector<Entry>;  // of one node, ascending in layer
 
   bool empty() const { return rows_.empty(); }
-  const Row* row(const GridIndex& node) const;
-  // Entry of a part at a node, {part, 0, 0, 0} if the node is whole. A split node must have the part.
+  const Row* row(const GridIndex& node) const;  // null if the node is whole
+  // Entry of a layer at a node, {layer, 0, 0, 0} if the node is whole. A split node must have the layer.
   Entry at(int layer, const GridIndex& node) const { return entry_of(row(node), layer); }
   static Entry entry_of(const Row* row, int layer);
   static int copy_of(const Row& row, int layer) { return entry_of(&row, layer).copy; }
-  // First part that has the same copy of the node. Its node stands for that of this part.
+  // First layer that has the same copy of the node as this layer.
   int representative(int layer, const GridIndex& node) const;
-  // Part whose node stands for the copy `first` of the start; -1 if that copy has been split since.
+  // First layer that has the copy `first` of the start; -1 if that copy has been split since.
   int representative_of_first(int first, const GridIndex& node) const;
   using Rows = std::unordered_map<GridIndex, Row, GridIndexHash, SameGridIndex>;
   const Rows& rows() const { return rows_; }
@@ -72,8 +74,8 @@ class PhantomNodes {
   // Makes the present copies those of the start.
   void start();
 
-  // Copy of the start at the next node in direction -x +x -y +y -z +z that continues this copy of the start. -1 if
-  // there is none, or if there are several.
+  // Copy of the start at the next node in direction -x +x -y +y -z +z that shares a cell of material with this copy of
+  // the start. -1 if there is none, or if there are several.
   int continuation(const GridIndex& node, int first, int direction) const;
   struct Continuation {
     int first;
@@ -97,7 +99,7 @@ struct SplitterPoint {
   int nearer;  // nearer and space: as in CrackPoint
   float space[6];
   bool failed, middle;
-  double at[3];  // place relative to the first node of its support, in cells of the grid
+  double at[3];  // position relative to the first node of its support, in cells of the grid
   double volume;
   int piece = 0;
 };
@@ -106,8 +108,8 @@ struct NodeChange {
   struct Moved {
     int tag, layer;
   };
-  std::vector<Moved> moved;  // points that change their part
-  // Node of a part, and the part whose node stood for that of its points before the change.
+  std::vector<Moved> moved;  // points that change their layer
+  // Node of a layer, and the layer whose node was the representative for its points before the change.
   struct Source {
     GridIndex node;
     int layer, from;
@@ -119,37 +121,37 @@ struct NodeChange {
 // The points of a bond, for as long as they stay in their cells.
 class NodeSplitter {
  public:
-  // The line of centres of the bond, which is along an axis of its coordinates, and the middle between the grains, in cells of the grid.
+  // Axis (of the bond's coordinates) of the line of centres, and the middle between the grains in cells of the grid.
   struct Line {
     int axis = 2;
     double middle[3] = {0, 0, 0};
   };
   NodeSplitter(std::vector<SplitterPoint> points, Basis basis, const Line& line);
   NodeSplitter(std::vector<SplitterPoint> points, Basis basis) : NodeSplitter(std::move(points), basis, Line()) {}
-  // Splits all nodes at the start. In a crevice (crevice.h) these are the nodes that are not joined: there no way leads
-  // from the material nearer to the one grain to that nearer to the other.
+  // Splits nodes at the start. In a bond with an unbonded gap (crevice.h) the two sides are not connected at nodes that
+  // are not joined.
   NodeChange start(PhantomNodes& copies, const Crevice& crevice = {});
   // Splits nodes after the points with these tags failed.
   NodeChange fail(const std::vector<int>& tags, PhantomNodes& copies);
-  // Splits nodes after the bond came apart. pieces: tags of the points, and the piece (separation.h) that each goes
-  // with. Points of different pieces are not connected, even if a narrow bridge is between them.
+  // Splits nodes after separation. pieces: the piece (separation.h) to which each point of the bond is assigned. Points
+  // of different pieces are not connected, even if a narrow bridge is between them.
   struct OfPiece {
     int tag, piece;
   };
   NodeChange come_apart(const std::vector<OfPiece>& pieces, PhantomNodes& copies);
-  // Finds the volumes of the copies from these points, after others left the scene. Returns the nodes that are split.
+  // Finds the volumes of the copies from these points, after others left the simulation. Returns all split nodes.
   std::vector<GridIndex> leave(PhantomNodes& copies) const;
   const std::vector<SplitterPoint>& points() const { return points_; }
 
  private:
   struct Class {
     GridIndex base;
-    int layer;                              // present part
+    int layer;                              // present layer
     std::vector<PhantomNodes::Entry> copy;  // copy of each node of the support
     bool operator<(const Class& o) const;
   };
   struct Now : PhantomNodes::Entry {
-    int was;  // part that some of its points had before
+    int was;  // layer that some of its points had before
   };
   using RowNow = std::map<int, Now>;
   class Around;
@@ -194,10 +196,10 @@ class NodeSplitter {
   struct Middle {
     int size;
     long long sum[3];    // sum of the cells
-    double position[3];  // along the line of centres and across, from the middle
+    double position[3];  // along the line of centres and across, from the middle between the grains
   };
-  std::vector<Middle> middles_;                           // of the components of a copy
-  bool apart_ = false;                                    // the two sides are apart at this node
+  std::vector<Middle> middles_;                           // centres of the components of a copy
+  bool apart_ = false;                                    // the two sides of a gap are not connected at this node
   std::map<int, std::map<GridIndex, int>> wanted_;        // by point and node: the new copy
   std::map<GridIndex, std::map<int, double>> split_now_;  // by node and new copy: the volume
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The points around a point of a lattice, and the ways between them. Only node_splitter.cpp uses it.
+// The points around a point of a lattice, and which of them are connected. Only node_splitter.cpp uses it.
 #ifndef MPDEM_FRACTURE_POINTS_AROUND_H
 #define MPDEM_FRACTURE_POINTS_AROUND_H
 
@@ -15,7 +15,7 @@ inline bool connected(const SplitterPoint& a, const SplitterPoint& b, int face) 
 
 inline GridIndex grid_index(const int* p) { return {p[0], p[1], p[2]}; }
 
-// The 26 points around a point that hold, as bits of a mask, and the ways from one to the next.
+// The intact ones of the 26 points around a point, as bits of a mask in the order of x, y and z, and their connections.
 class NodeSplitter::Around {
  public:
   static constexpr int kPlaces = 27, kMiddle = 13;
@@ -41,7 +41,7 @@ class NodeSplitter::Around {
     }
   }
 
-  // True if the points of the mask that share a face with the middle are connected over points of the mask.
+  // True if those points of the mask that share a face with the middle point are connected over points of the mask.
   bool hang_together(unsigned mask) const {
     const unsigned ends = faces & mask;
     if ((ends & (ends - 1)) == 0) return true;

@@ -22,7 +22,8 @@ struct Piece {
   bool attached[2] = {false, false};
 };
 
-// The material that a point goes with: material held by the first grain (bit 0), by the second (bit 1), or a loose piece, by its rank.
+// The material to which a point is assigned: that attached to the first grain (bit 0), to the second (bit 1), or a
+// loose piece, by its rank.
 struct Goes {
   int held = 0, loose = kNone;
   static constexpr int kNone = std::numeric_limits<int>::max();
@@ -33,8 +34,8 @@ struct Goes {
   }
 };
 
-// Spreads `goes` from cell to cell, within a part or across parts, until every point that can be reached goes
-// somewhere. Fronts advance together: a point goes with all material at its least number of steps.
+// Spreads assignments from cell to cell, within a layer or across layers, until every point that can be reached has
+// one. Fronts advance together: a point is assigned to all material at its least number of steps.
 void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool across, std::vector<Goes>& goes) {
   std::vector<int> front, next;
   std::vector<Goes> claim(goes.size());
@@ -53,14 +54,14 @@ void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool ac
   }
 }
 
-// Share of a point that goes with the material of the first grain.
+// Share of a point that counts to the material of the first grain.
 double share_of_first(int held) { return held == 1 ? 1.0 : held == 2 ? 0.0 : 0.5; }
 
-// Damage of what holds a point to grain g: the larger one of the point and its links.
+// Damage of the connection of a point to grain g: the larger one of the point and its links.
 float damage_at_grain(const CrackPoint& p, int g) { return std::max(p.damage, p.link_damage[g]); }
 
-// Least damage that a way from the first grain to the second must pass, over links and intact points of a part. Uses
-// Dijkstra's search with the largest damage as the length of a path. Empty if there is no way.
+// Least value of the largest damage on a path from the first grain to the second, over links and intact points of a
+// layer. Uses Dijkstra's search with the largest damage as the length of a path. Empty if there is no path.
 std::optional<float> damage_to_pass(const Neighbours& near, const std::vector<CrackPoint>& points) {
   using Ahead = std::pair<float, int>;
   std::priority_queue<Ahead, std::vector<Ahead>, std::greater<Ahead>> front;
@@ -87,8 +88,8 @@ std::optional<float> damage_to_pass(const Neighbours& near, const std::vector<Cr
   return std::nullopt;
 }
 
-// Shortest way from the first grain to the second over links and intact points of a part with at most this damage.
-// Returns tags.
+// Returns the tags of a shortest path from the first grain to the second over links and intact points of a layer with
+// at most this damage, and of the points of its bridges.
 std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>& points, float damage) {
   const auto passable = [&](int i) { return !points[i].failed && points[i].damage <= damage; };
   const auto reaches = [&](int i, int g) { return points[i].attached[g] && points[i].link_damage[g] <= damage; };
@@ -122,7 +123,7 @@ std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>
   return path;
 }
 
-// Finds the pieces of intact points of one part, and the piece of each point, -1 for a failed one.
+// Finds the pieces, each of intact points of one layer, and the piece of each point, -1 for a failed one.
 std::vector<Piece> find_pieces(const Neighbours& near, const std::vector<CrackPoint>& points, std::vector<int>& piece_of) {
   piece_of.assign(points.size(), -1);
   std::vector<Piece> pieces;
@@ -156,12 +157,13 @@ bool is_held(const Piece& p) { return p.attached[0] || p.attached[1]; }
 bool counts(const Piece& p) { return is_held(p) || p.points >= kLeastLoose; }
 int layer_held(int side, int layer) { return side == 1 && layer == 0 ? 1 : layer; }
 
-// Finds where each piece goes, and the parts of loose pieces by their rank. Parts only ever split, so that their nodes
-// can take over the motion they had together. Attached pieces keep their part, except that the second grain's share of
-// part 0 becomes part 1. Loose pieces become new parts, from 2 on: the largest first, and of equal ones that with the
-// least tag. A loose piece keeps its part if that is 2 or more and has no other piece that counts. Parts 0 and 1 follow their grains.
+// Finds the material of each piece, and the layers of loose pieces by their rank. Layers only ever split, so that new
+// nodes can take over the motion of the old ones. Attached pieces keep their layer, except that those of layer 0 at the
+// second grain become layer 1. Loose pieces become new layers, from 2 on: the largest first, and of equal ones that
+// with the least tag. A loose piece keeps its layer if that is 2 or more and has no other piece that counts. Layers 0
+// and 1 follow their grains.
 std::vector<Goes> rank_pieces(const std::vector<Piece>& pieces, int next, std::vector<int>& loose_part) {
-  std::map<int, int> holders;  // by part: number of pieces in it that count
+  std::map<int, int> holders;  // by layer: number of pieces in it that count
   for (const Piece& p : pieces) holders[p.layer] += counts(p);
   std::vector<int> ranked(pieces.size());
   std::iota(ranked.begin(), ranked.end(), 0);
@@ -183,10 +185,10 @@ std::vector<Goes> rank_pieces(const std::vector<Piece>& pieces, int next, std::v
   return of_piece;
 }
 
-// Bits, as in Goes::held, of the grains on which a failed point stays as a skin; 0 if there are none.
+// Bits, as in Goes::held, of the grains on which a failed point stays as residue; 0 if there are none.
 int residue_on(const CrackPoint& p) { return p.failed ? p.attached[0] + 2 * p.attached[1] : 0; }
 
-// Adds a part of the surface between two points. It counts at the place half way between them.
+// Adds the area between two points. It counts at the height half way between them.
 void count_between(const CrackPoint& a, const CrackPoint& b, double area, double reach, SeparatingSurface& surface) {
   bool at[2];
   for (int g = 0; g < 2; ++g) at[g] = 0.5 * (a.above[g] + b.above[g]) < reach;
@@ -195,13 +197,13 @@ void count_between(const CrackPoint& a, const CrackPoint& b, double area, double
     if (at[g]) surface.at_grain[g] += at[1 - g] ? 0.5 * area : area;
 }
 
-// Finds the separating surface. side: grains to which pieces and skins are attached, spread to all points. The link of
-// a skin holds. So the material separates beside the skin, or through it if it is on both grains.
+// Finds the fracture surface. side: grains to which pieces and residue are attached, spread to all points. Links of
+// residue are intact. So the cement separates beside the residue, or through it if it is on both grains.
 void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points, const std::vector<Piece>& pieces, const double* face_area,
                   const std::vector<Goes>& side, double reach, Separation& result) {
   const bool held = std::any_of(pieces.begin(), pieces.end(), is_held) || std::any_of(points.begin(), points.end(), residue_on);
   const bool loose = std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return p.points >= kLeastLoose; });
-  if (!held && loose)  // both grains let go between two calls
+  if (!held && loose)  // all links to both grains debonded between two calls
     for (const CrackPoint& p : points)
       for (int s = 0; s < 2; ++s) result.at_grain[s] += p.link_area[s];
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -256,7 +258,7 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
     result.between[i] = goes[i].held == 3;
     if (goes[i].held != 0) result.piece[i] = layer_held(goes[i].held == 3 ? p.nearer : goes[i].held - 1, p.layer);
     else if (goes[i].loose != Goes::kNone) result.piece[i] = loose_part[goes[i].loose];
-    else if (!again) result.piece[i] = layer_held(p.nearer, p.layer);  // no material that it could go with can be reached
+    else if (!again) result.piece[i] = layer_held(p.nearer, p.layer);  // no step reaches it
   }
   grow(near, points, true, side);
   find_surface(near, points, pieces, face_area, side, reach, result);

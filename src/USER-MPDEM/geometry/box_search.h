@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Finds the axis-parallel boxes that hold a place or meet another box. Boxes are sorted into bins as wide as the widest
-// of them, so the cost of a search depends on the boxes nearby and not on their total number.
+// Finds the axis-parallel boxes that contain a position or intersect another box. Boxes are sorted into bins as wide as
+// the widest of them, so the cost of a search depends on the boxes nearby and not on their total number.
 #ifndef MPDEM_GEOMETRY_BOX_SEARCH_H
 #define MPDEM_GEOMETRY_BOX_SEARCH_H
 
@@ -20,12 +20,12 @@ using Box = Eigen::AlignedBox3d;
 
 class BoxSearch {
  public:
-  // Takes the boxes to search. Empty boxes are never found.
+  // Sets the boxes to search. Empty boxes are never found.
   explicit BoxSearch(std::vector<Box> boxes);
 
   const Box& box(int n) const { return boxes_[n]; }
 
-  // Calls f(number of the box) for each box that holds x, ascending.
+  // Calls f(index of the box) for each box that contains x, ascending.
   template <class F>
   void holding(const Vector3& x, F f) const {
     if (!bounds_.contains(x)) return;
@@ -34,7 +34,7 @@ class BoxSearch {
       if (boxes_[item_[i]].contains(x)) f(item_[i]);
   }
 
-  // Calls f(number of the box) once for each box that meets this one.
+  // Calls f(index of the box) once for each box that intersects this one.
   template <class F>
   void meeting(const Box& other, F f) const {
     if (other.isEmpty() || !bounds_.intersects(other)) return;

@@ -54,7 +54,7 @@ double Coating::thickness_for_volume(const GrainPair& pair, double volume, doubl
     }
   };
   const double largest = std::min(pair.R1, pair.R2);
-  // With a cap, the thickest coating is that whose overlap just fits into the cap.
+  // With a cap, the thickest coating is the one whose overlap just fits into the cap.
   double most = largest;
   if (cap < M_PI)
     most = bisect_rising([&](double t) { return std::max(overlap_angle(pair, 0, t), overlap_angle(pair, 1, t)) - cap; }, 0.0, largest) *

@@ -48,7 +48,7 @@ void Composite::add_breaks(std::vector<double>& at) const {
   for (const auto& p : parts_) p->add_breaks(at);
 }
 
-// All parts reach from grain to grain there, so each of them has an outline with any smaller inner radius.
+// All shapes reach from grain to grain there, so each of them has an outline with any smaller inner radius.
 double Composite::spans() const {
   return -largest_of(parts_, [](const Shape& s) { return -s.spans(); });
 }

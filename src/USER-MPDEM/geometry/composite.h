@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Union of shapes on one pair, such as a coating and a meniscus. Its volume has no closed form and is integrated to
-// rounding. Covered angles and heights are the largest of its parts, since all parts lie on the grains.
+// rounding. Covered angles and heights are the largest of its shapes, since all of them lie on the grains.
 #ifndef MPDEM_GEOMETRY_COMPOSITE_H
 #define MPDEM_GEOMETRY_COMPOSITE_H
 
@@ -14,7 +14,7 @@ namespace mpdem {
 
 class Composite : public Shape {
  public:
-  // Takes at least one part. All parts must have the same pair and inner radius.
+  // Takes at least one shape. All must have the same pair and inner radius.
   explicit Composite(std::vector<std::unique_ptr<Shape>> parts);
 
   double volume() const override { return volume_; }

@@ -94,7 +94,7 @@ FilmFill film_fill(const Shape& shape, double spacing) {
   const double cell = kCellOfPoints * spacing, smaller = std::min(pair.R1, pair.R2);
   film.from = film.to = shape.inner();
   if (!(pair.thickness(film.from) < (1.0 - kNoFilm) * cell))
-    return film;  // radii have the root of its rounding where the grains are parallel
+    return film;  // where grains are parallel, radii have the square root of the rounding of the thickness
   const double thin = pair.radius_of_thickness(cell);
   std::ostringstream why;
   const double rim = shape.spans() - thin;

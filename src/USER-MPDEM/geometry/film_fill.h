@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The film of a bond: the part of a shape that is too thin for cells. Columns along the line of centres reach from grain
-// to grain there. A column is a point with a link to either grain, whose feet are its ends.
+// The film of a bond: the region of a shape that is too thin for cells. Columns along the line of centres reach from
+// grain to grain there. A column is a point with a link to either grain, whose foot points are its ends.
 //
-// Cells of two spacings cannot tell the strain where the grains are nearer than that, so the film ends where they are two
-// spacings apart. If what is left outside is narrower than a cell, all of the bond is film. It then has the outline of
-// the flat bond of the same volume.
+// Cells of two spacings cannot resolve the strain where the grains are nearer than that, so the film ends where they
+// are two spacings apart. If the rest is narrower than a cell, all of the bond is film. It then has the outline of the
+// flat bond of the same volume.
 //
 // The points do not depend on the spacing. They lie in rings, at the points of a Gauss rule in ln t, where t is the
 // thickness: then the sums over A, A t and A/t, which are area, volume and stiffness, converge at once. Each ring has
@@ -23,7 +23,7 @@ namespace mpdem {
 struct FilmFill {
   double from = 0.0, to = 0.0;  // radii; none if they are equal
   double volume = 0.0, area[2] = {0, 0};
-  bool all = false;  // true: no cell is left
+  bool all = false;  // no cells outside of the film
   bool empty() const { return !(to > from); }
 };
 

@@ -15,7 +15,8 @@ namespace {
 
 double smaller(const GrainPair& pair) { return std::min(pair.R1, pair.R2); }
 
-// Upper bound of 1 - waist^2: L c/(2 a^2), with c the height of the centre of the smaller grain over the circle of radius a.
+// Upper bound of 1 - waist^2: L c/(2 a^2), with c the height of the centre of the smaller grain over the circle of
+// radius a.
 double room(const GrainPair& pair, double a) {
   const double R = smaller(pair);
   return pair.thickness(a) * std::sqrt(std::max((R - a) * (R + a), 0.0)) / (2.0 * a * a);

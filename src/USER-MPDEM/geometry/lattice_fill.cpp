@@ -45,7 +45,7 @@ Owner owner_around(const std::vector<Neighbour>& neighbours, const Vector3& x, d
   return owner;
 }
 
-// Index of the point whose cell holds x, or of the nearest one in cells around it; -1 if there is none within three cells.
+// Index of the point whose cell contains x, or of the nearest one in cells around it; -1: none within three cells.
 int owner_of(const std::vector<Cell>& cells, const std::vector<FillPoint>& points, const Vector3& x, double spacing) {
   const Cell at = cell_of(x, spacing);
   const auto find = [&](const Cell& c) {
@@ -187,7 +187,7 @@ bool sample_cell(double spacing, const Cell& cell, int samples, Weight weight, d
   return true;
 }
 
-// Finds volume and centroid of the part of a cut cell that is inside. Returns false if nothing is inside.
+// Finds volume and centroid of the inside of a cut cell. Returns false if nothing is inside.
 bool cut_cell(const Shape& shape, double spacing, const Cell& cell, FillPoint& p) {
   double count;
   if (!sample_cell(
@@ -197,7 +197,7 @@ bool cut_cell(const Shape& shape, double spacing, const Cell& cell, FillPoint& p
   return true;
 }
 
-// Leaves to a point the part of its cell that neighbours do not take. Returns false if that is nothing.
+// Reduces a point to the region of its cell that neighbours do not own. Returns false if that is empty.
 bool leave_own(const Shape& shape, double spacing, const std::vector<Neighbour>& neighbours, const Cell& cell, FillPoint& p) {
   const Vector3 centre = spacing * Vector3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
   const Owner owner = owner_around(neighbours, centre, 0.5 * std::sqrt(3.0) * spacing);

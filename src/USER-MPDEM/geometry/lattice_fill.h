@@ -2,15 +2,15 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Material points of a shape. There is one for each cell of a cubic lattice that the shape fills or cuts. The lattice
-// is along the axes of the coordinates of the shape and symmetric about the origin. A cut cell gives its point the
-// volume and the centroid of the part inside (sub-sampled). Then all volumes are scaled to the exact volume of the
-// shape. The attached surface of each grain is cut by the same lattice: every patch goes to the point of its cell with
-// its area and its centroid on the sphere (the foot point), scaled to the exact area. Deterministic: every rank that
-// calls this gets the same points in the same order.
+// is along the axes of the coordinates of the shape and symmetric about the origin. A point of a cut cell has the
+// volume and the centroid of the inside (sub-sampled). Then all volumes are scaled to the exact volume of the shape.
+// The attached surface of each grain is cut by the same lattice: every patch belongs to the point of its cell, with its
+// area and its centroid on the sphere (the foot point), scaled to the exact area. Deterministic: every rank that calls
+// this gets the same points in the same order.
 //
-// The shape may overlap those of other bodies, its neighbours. Then material goes to the body whose middle (the origin
-// of its coordinates, the middle of the gap) is nearest, and cells are cut there too. Material at equal distance is
-// shared evenly. So the bodies together fill the union of their shapes once.
+// The shape may overlap those of other bonds, its neighbours. Then material belongs to the bond whose middle (the
+// origin of its coordinates, the middle of the gap) is nearest, and cells are cut there too. Material at equal distance
+// is shared evenly. So the bonds together fill the union of their shapes once.
 #ifndef MPDEM_GEOMETRY_LATTICE_FILL_H
 #define MPDEM_GEOMETRY_LATTICE_FILL_H
 

@@ -66,7 +66,8 @@ double filling_for(const GrainPair& pair, double value, double contact_angle, do
       return 0.0;
     }
   };
-  // On the larger of two grains the angle ends before a right angle, where the arc leaves the girth of the smaller grain.
+  // On the larger of two grains the angle ends before a right angle, where the arc leaves the girth of the smaller
+  // grain.
   double limit = (0.5 * M_PI - contact_angle) * (1.0 - 1e-9);
   constexpr int kScan = 1000;
   for (int k = kScan - 1; k > 0 && measure_of(limit) == 0.0; --k) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Axis of elasticity that grows out of the grains (`axis radial`): the normal of the nearer of two spheres. The normals
-// of both spheres differ where a point is equally near to both, the more the further it is from the line of centres. A
-// choice of one of them there would depend on rounding and break every symmetry of a pair. So the axis turns from the
-// one to the other in a layer one spacing thick:
+// Axis of elasticity of crystals that grow out of the grains (`axis radial`): the normal of the nearer of two spheres.
+// The normals of both spheres differ where a point is equally near to both, the more the further it is from the line of
+// centres. A choice of one of them there would depend on rounding and break every symmetry of a pair. So the axis
+// rotates from the one to the other in a layer one spacing thick:
 //
 //   w = S(1/2 + (d1 - d0)/spacing),  S(t) = t^2 (3 - 2t) between 0 and 1,  axis = w n0 - (1 - w) n1,
 //

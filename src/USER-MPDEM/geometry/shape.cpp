@@ -34,7 +34,8 @@ double GrainPair::contact_radius() const {
 double GrainPair::volume_within(double a) const {
   const double c = contact_radius();
   if (a <= c) return 0.0;
-  // Integral of 2 pi r sag(R, r) from 0 to a: pi a^2 s less the cap of height s. The form avoids cancellation for thin bonds.
+  // Integral of 2 pi r sag(R, r) from 0 to a: pi a^2 s less the cap of height s. The form avoids cancellation for thin
+  // bonds.
   const auto under = [](double R, double r) {
     const double s = sag(R, r);
     return M_PI * s * s * (R - 2.0 * s / 3.0);
@@ -83,8 +84,8 @@ double Shape::clearance(const Vector3& x) const {
   const double r = std::sqrt(std::max(x.squaredNorm() - z * z, 0.0));
   double above[2];  // distances from the surfaces of the grains, below 0 inside
   for (int s = 0; s < 2; ++s) above[s] = std::hypot(r, z - pair_.height(s)) - pair_.radius(s);
-  // The body lies in several sets. It is as far away as the farthest set that does not hold x, whatever other surfaces
-  // are near, such as those of the grains where there is no cement.
+  // The shape is the intersection of several sets. Its distance is the largest of theirs, whatever other surfaces are
+  // near, such as those of the grains where there is no cement.
   double apart = std::max({lowest() - z, z - highest(), -above[0], -above[1]});
   if (apart <= 0.0 && r > top(z)) apart = top_clearance(r, z);
   if (r < inner_ && between_centres(z)) apart = std::max(apart, std::min({inner_ - r, z - pair_.height(0), pair_.height(1) - z}));
@@ -164,7 +165,7 @@ double volume_by_quadrature(const Shape& shape) {
   double total = 0.0;
   for (std::size_t i = 0; i + 1 < at.size(); ++i) {
     if (at[i + 1] <= at[i]) continue;
-    // The parts make sure that the first rule does not miss a kink between shapes.
+    // The subdivision ensures that the first rule does not miss a kink between shapes.
     constexpr int kParts = 16;
     const double step = (at[i + 1] - at[i]) / kParts;
     for (int k = 0; k < kParts; ++k) {

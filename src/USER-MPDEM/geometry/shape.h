@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The interface of a cement shape. All shapes are bodies of revolution about the line of centres that lie on the
+// The interface of a cement shape. All shapes are solids of revolution about the line of centres that lie on the
 // grains. At height z along the line they reach from the surface of the grains, or from the inner radius if that is
-// further out, to top(z). Coordinates are relative to the origin of the body: on the line of centres, in the middle of the gap.
+// further out, to top(z). The origin of coordinates is on the line of centres, in the middle of the gap.
 #ifndef MPDEM_GEOMETRY_SHAPE_H
 #define MPDEM_GEOMETRY_SHAPE_H
 
@@ -36,23 +36,24 @@ struct GrainPair {
   double volume_within(double a) const;
   // Radius at which thickness(r) = t; 0 if it is larger everywhere.
   double radius_of_thickness(double t) const;
-  // Radius within which cement is left out unless a script says otherwise: where the spheres are as far apart as touching
-  // ones are at a share of the smaller radius. It is that radius where they touch, less across a gap, more where they
-  // overlap. So it scales with the grains, and the cement is nowhere thinner.
+  // Radius within which cement is left out unless a script says otherwise: where the spheres are as far apart as
+  // touching ones are at a share of the smaller radius. It is that radius where they touch, less across a gap, more
+  // where they overlap. So it scales with the grains, and the cement is nowhere thinner.
   static constexpr double kLeftOut = 0.2;
   double usual_inner(double share = kLeftOut) const;
 };
 
-// Pair of grains whose centres are `between` apart. Not inline: gap and direction are the same to the bit for all callers.
+// Pair of grains whose centres are `between` apart. Not inline: gap and direction are bitwise identical for all
+// callers.
 GrainPair pair_between(double R1, double R2, const Vector3& between);
 
 // Returns R - sqrt(R^2 - r^2) without the cancellation at small r.
 double sag(double R, double r);
 
-// Volume common to two balls at distance d; 0 if they are apart. Not valid if one ball holds the other.
+// Volume common to two balls at distance d; 0 if they do not overlap. Not valid if one ball contains the other.
 double lens_volume(double S1, double S2, double d);
 
-// Thrown for dimensions that do not make a body. The text names word, value and cure.
+// Thrown for dimensions that give no solid. The text names option, value and cure.
 struct ShapeError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -68,9 +69,9 @@ class Shape {
   double inner() const { return inner_; }
 
   bool inside(const Vector3& x) const;
-  // Lower bound of the distance from x to the surface of the body.
+  // Lower bound of the distance from x to the surface of the shape.
   double clearance(const Vector3& x) const;
-  // Half-widths of a box around the origin that holds the body.
+  // Half-widths of a box around the origin that contains the shape.
   Vector3 half_extent() const;
   // Polar angles about the contact normal between which the surface of a grain is attached.
   void attached_band(int side, double& from, double& to) const;
@@ -93,7 +94,7 @@ class Shape {
   virtual std::string describe() const = 0;
   // Radius up to which the cement reaches from grain to grain.
   virtual double spans() const = 0;
-  // Has it next to nothing beyond that radius? Then a film (film_fill.h) can stand for all of it.
+  // Has it almost no volume beyond that radius? Then a film (film_fill.h) can replace all of it.
   virtual bool ends_where_it_spans() const = 0;
   // The same outline with another inner radius, which must be below spans().
   virtual std::unique_ptr<Shape> with_inner(double inner) const = 0;
@@ -111,8 +112,9 @@ class Shape {
   double inner_;
 };
 
-// Volume of the body of revolution by adaptive quadrature, for shapes without a closed form and to check the others.
-// The relative error is below 1e-12 unless the shell is thin: rounding adds an error of about 1e-15 R/t for a thickness t on radius R.
+// Volume of the solid of revolution by adaptive quadrature, for shapes without a closed form and to check the others.
+// The relative error is below 1e-12 unless the shell is thin: rounding adds an error of about 1e-15 R/t for a thickness
+// t on radius R.
 double volume_by_quadrature(const Shape& shape);
 
 // Integral of a function from a to b by the Gauss-Legendre rule of ten points, exact for polynomials of degree 19.

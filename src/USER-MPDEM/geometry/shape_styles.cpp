@@ -4,7 +4,8 @@
 
 #include <algorithm>
 
-// The table has a line for each shape. shape(NAME) is `shape NAME` of a script, and NAME_style() is in the file of the shape.
+// The table has a line for each shape. shape(NAME) is `shape NAME` of a script, and NAME_style() is in the file of the
+// shape.
 #define MPDEM_SHAPES(shape) shape(flat) shape(meniscus) shape(coating) shape(hourglass)
 
 namespace mpdem {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Table of the shapes that a script can name: name, own words, factory. A new shape has one file in this folder with
-// its class and a function NAME_style(), and one line in the table of shape_styles.cpp. Readers of scripts take words,
+// Table of the shapes that a script can name: name, options, factory. A new shape has one file in this folder with its
+// class and a function NAME_style(), and one line in the table of shape_styles.cpp. Readers of scripts take options,
 // ranges, defaults and messages from this table.
 #ifndef MPDEM_GEOMETRY_SHAPE_STYLES_H
 #define MPDEM_GEOMETRY_SHAPE_STYLES_H
@@ -19,7 +19,7 @@ namespace mpdem {
 
 constexpr double kDegree = M_PI / 180.0;  // scripts give angles in degrees
 
-// A word of a shape that a number follows.
+// An option of a shape that a number follows.
 struct ShapeWord {
   enum Role { size, detail };  // exactly one of the sizes and `content` is given; a detail has a default
   enum Range { positive, not_negative };
@@ -42,10 +42,10 @@ struct ShapeRequest {
 
 struct ShapeStyle {
   std::string name;
-  std::vector<ShapeWord> words;                                 // words besides `content`, which every shape has
+  std::vector<ShapeWord> words;                                 // options besides `content`, which every shape has
   std::unique_ptr<Shape> (*make)(const ShapeRequest& request);  // throws ShapeError
 
-  const ShapeWord* word(const std::string& key) const;  // null if it has no word of that name
+  const ShapeWord* word(const std::string& key) const;  // null if it has no option of that name
 };
 
 // All styles, in the order of the table.
@@ -53,7 +53,7 @@ const std::vector<ShapeStyle>& shape_styles();
 // Style of this name; null if there is none.
 const ShapeStyle* shape_style(const std::string& name);
 
-// One `shape` of a script: its style, and the numbers of the given words (`content` among them).
+// One `shape` of a script: its style, and the values of the given options (`content` among them).
 struct ShapeWords {
   const ShapeStyle* style = nullptr;
   std::map<std::string, double> given;

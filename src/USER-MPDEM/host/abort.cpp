@@ -2,9 +2,10 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Makes sure that the text of an error is written on every path. LIGGGHTS ends a run that fails on one rank by
-// MPI_Abort. This discards the buffers of stdio. With output to a file or a pipe the buffers have the error itself, and
-// the log never gets it, since only the first rank has it open. The definitions below take precedence over those of the
-// libraries, see registration.cpp. LIGGGHTS' own definitions also follow one error in five with a joke that they have freed before it is printed.
+// MPI_Abort, which discards the buffers of stdio. With output to a file or a pipe the error itself is in these buffers,
+// and it never reaches the log, which only the first rank has open. The definitions below take precedence over those of
+// the libraries, see registration.cpp. LIGGGHTS' own definitions also print a joke after one error in five, from memory
+// that is freed already.
 #include <fcntl.h>
 #include <mpi.h>
 #include <unistd.h>
@@ -24,7 +25,7 @@
 namespace mpdem {
 
 namespace {
-std::string log_name;  // log file of this world, known to all of its ranks
+std::string log_name;  // log file of this world, the same on all of its ranks
 }
 
 void learn_log_name(LAMMPS_NS::LAMMPS* lmp) {
@@ -32,7 +33,7 @@ void learn_log_name(LAMMPS_NS::LAMMPS* lmp) {
   if (lmp->logfile) {
     std::fflush(lmp->logfile);
     const int fd = fileno(lmp->logfile);
-    // Opens for appending: otherwise the buffer of this rank would overwrite what other ranks append.
+    // Sets append mode: otherwise the buffer of this rank would overwrite what other ranks append.
     fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_APPEND);
     const std::string link = "/proc/self/fd/" + std::to_string(fd);
     const ssize_t n = readlink(link.c_str(), name, sizeof name - 1);
@@ -63,7 +64,7 @@ void Error::one(const char* file, int line, const char* text) {
   MPI_Abort(world, 1);
 }
 
-// Must be called by all ranks of the world.
+// Collective among the ranks of the world.
 void Error::all(const char* file, int line, const char* text) {
   MPI_Barrier(world);
   int me;

@@ -7,8 +7,8 @@
 
 namespace mpdem {
 
-// Tells every rank the name of the log that the first rank has open, so that an error on any of them can be written
-// there. Collective. Must be called whenever the log may have changed.
+// Sends the name of the log file of the first rank to all ranks, so that any of them can write an error there.
+// Collective. Call it whenever the log may have changed.
 void learn_log_name(LAMMPS_NS::LAMMPS* lmp);
 
 }  // namespace mpdem

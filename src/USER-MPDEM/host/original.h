@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The executable defines some functions of the LIGGGHTS library anew, and its definitions hide those of the library.
-// original() finds the hidden function by its mangled name, so that the new one can call it. A member function takes
-// its object as first argument, as in the Itanium C++ ABI. Ends the program if the library has no such symbol.
+// The executable redefines some functions of the LIGGGHTS library, and its definitions take precedence. original()
+// finds the library's function by its mangled name, so that the new one can call it. A member function takes its object
+// as first argument, as in the Itanium C++ ABI. Ends the program if the library has no such symbol.
 #ifndef MPDEM_HOST_ORIGINAL_H
 #define MPDEM_HOST_ORIGINAL_H
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Puts the package's styles into LIGGGHTS' shared library without a patch. Fix, compute and command styles live in
-// run-time maps. These are filled anew for every set of top-level classes (also after `clear`), right before
-// LAMMPS::post_create(). Atom styles are a compile-time chain inside Atom::new_avec(). LAMMPS::help() prints the list
-// of `-h`. LIGGGHTS calls these functions through the symbol table. So the definitions below take precedence over the
-// library's when the executable exports its symbols (-rdynamic). They call the originals first or last. So does
-// LAMMPS::init(), which begins every run, and Output::setup(), which is called with 0 where a run is not prepared.
+// Adds the styles of the package to LIGGGHTS' shared library without a patch. Fix, compute and command styles are in
+// run-time maps. LIGGGHTS fills these again for every set of top-level classes (also after `clear`), right before
+// LAMMPS::post_create(). Atom styles are a compile-time chain in Atom::new_avec(). LAMMPS::help() prints the list of
+// `-h`. LAMMPS::init() begins every run. Output::setup() is called with 0 where a run has no set-up. LIGGGHTS calls
+// these functions through the symbol table, so the definitions below take precedence if the executable exports its
+// symbols (-rdynamic). They call the original functions.
 #include <cstring>
 
 #include "../styles/atoms/atom_vec_mpdem.h"

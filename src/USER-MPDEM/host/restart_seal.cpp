@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Makes sure that restart files are whole. LIGGGHTS reads a restart file unchecked. A file that is truncated or has a
-// flipped byte crashes it, hangs it, or makes it go on with a wrong state. So with atom_style mpdem every file that
-// `write_restart` or `restart` writes ends with a seal, after the data that LIGGGHTS reads. read_restart checks the
-// seal first. Files of other atom styles are left as they are. So are files of a LIGGGHTS that has the package compiled
-// in. Such a file says so in the head of the data of atom_style mpdem.
+// Makes sure that restart files are complete. LIGGGHTS reads a restart file unchecked: one that is truncated or has a
+// flipped byte makes it crash, hang, or continue with a wrong state. So with atom_style mpdem every file that
+// `write_restart` or `restart` writes ends with a seal, after the data that LIGGGHTS reads, and read_restart checks the
+// seal first. Files of other atom styles have no seal. Neither have those of a LIGGGHTS with the package compiled in,
+// which the head of the data of atom_style mpdem says.
 #include <mpi.h>
 #include <sys/stat.h>
 
@@ -34,18 +34,19 @@ using LAMMPS_NS::AtomVecMpdem;
 struct Seal {
   char magic[8];
   std::uint64_t length;  // of the file without the seal, bytes
-  std::int64_t files;    // number of files that go with a base file (name with '%'), else 0
+  std::int64_t files;    // number of files that belong to a base file (name with '%'), else 0
   std::int64_t step;     // step at which the file was written
-  std::uint64_t sum;     // check sum over the file and the members above
+  std::uint64_t sum;     // checksum of the file and the members above
 };
 constexpr char kSealMagic[8] = {'M', 'P', 'D', 'E', 'M', 'e', 'n', 'd'};
-// Bytes. Every restart file is longer. The part before the data of the atom style, and these data without bodies, are shorter.
+// Bytes. Every restart file is longer. What precedes the data of the atom style, and these data without bonds, are
+// shorter.
 constexpr std::int64_t kShortest = 500;
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 File open_file(const std::string& name, const char* mode) { return File(std::fopen(name.c_str(), mode), &std::fclose); }
 
-// FNV-1a (Fowler, Noll, Vo), 64 bits: every step is one-to-one, so a single changed byte always shows.
+// FNV-1a (Fowler, Noll, Vo), 64 bits. Every step is one-to-one, so it detects any single changed byte.
 struct Sum {
   std::uint64_t value = 0xcbf29ce484222325u;
   void add(const void* data, std::size_t n) {
@@ -66,21 +67,21 @@ bool sum_of(std::FILE* f, std::uint64_t length, Sum& sum) {
   return true;
 }
 
-// Size of a regular file, -1 for anything else.
+// Size of a regular file in bytes, -1 for anything else.
 std::int64_t size_of(const std::string& name) {
   struct stat s;
   return stat(name.c_str(), &s) == 0 && S_ISREG(s.st_mode) ? s.st_size : -1;
 }
 
-std::string with(const std::string& name, const std::string& text) {  // puts `text` in the place of '%'
+std::string with(const std::string& name, const std::string& text) {  // replaces '%' by `text`
   const std::size_t at = name.find('%');
   return at == std::string::npos ? name : name.substr(0, at) + text + name.substr(at + 1);
 }
 
-// write_seal() and check_seal() return the complaint, which is empty if there is none.
+// write_seal() and check_seal() return an error message, or an empty text.
 
-// tail: bytes of the blocks of atoms, which are the last of the file. block: size that the first block begins with. A
-// full disk shows there, since LIGGGHTS does not check that its writing succeeded.
+// tail: bytes of the blocks of atoms, which are the last of the file. block: size with which the first block begins. A
+// full disk shows there, since LIGGGHTS does not check whether its writing succeeded.
 std::string write_seal(const std::string& name, std::uint64_t tail, int block, std::int64_t files, std::int64_t step) {
   const std::string failed = "write_restart: file '" + name + "' could not be written whole; use a disk with free space";
   const std::int64_t size = size_of(name);
@@ -140,7 +141,7 @@ std::string check_seal(const std::string& name, bool& sealed, Seal& seal) {
   int head[AtomVecMpdem::kRestartHead];
   const bool whole = at != std::string::npos && at + sizeof AtomVecMpdem::kRestartMagic + sizeof head <= text.size();
   if (whole) std::memcpy(head, &text[at + sizeof AtomVecMpdem::kRestartMagic], sizeof head);
-  if (whole && (head[0] != AtomVecMpdem::kRestartVersion || !head[AtomVecMpdem::kRestartSealed])) return "";  // the atom style checks this
+  if (whole && (head[0] != AtomVecMpdem::kRestartVersion || !head[AtomVecMpdem::kRestartSealed])) return "";  // the atom style reports this
   return mpdem::text_of("read_restart: file '", name, "' is truncated: its ", size, " bytes do not end as they were written", cure);
 }
 
@@ -150,7 +151,7 @@ namespace LAMMPS_NS {
 
 void WriteRestart::write(char* file) {
   const bool ours = AtomVecMpdem::of(lmp) != nullptr;
-  if (ours) AtomVecMpdem::of(lmp)->check_motion_is_kept();  // LIGGGHTS would begin the file, which may be the one that was read
+  if (ours) AtomVecMpdem::of(lmp)->check_motion_is_kept();  // before LIGGGHTS opens the file, which may be the one that was read
   AtomVecMpdem::restart_is_sealed = ours;
   mpdem::original<void (*)(WriteRestart*, char*)>("_ZN9LAMMPS_NS12WriteRestart5writeEPc")(this, file);
   if (!ours) return;
@@ -160,7 +161,7 @@ void WriteRestart::write(char* file) {
   const std::uint64_t bytes = sizeof(int) + sizeof(double) * static_cast<std::uint64_t>(block);
   std::uint64_t all = 0;
   MPI_Reduce(&bytes, &all, 1, MPI_UINT64_T, MPI_SUM, 0, world);
-  if (region) all = 0;  // what was written is not known
+  if (region) all = 0;  // the number of atoms in the region is not known
   AtomVecMpdem::of(lmp)->forget_nodes();
   std::string complaint;
   if (me == 0) complaint = write_seal(with(name, "base"), split ? 0 : all, block, split ? nprocs : 0, update->ntimestep);

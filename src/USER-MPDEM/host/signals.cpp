@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// LIGGGHTS acts on a signal rank by rank, each at the step that it happens to be at. Ranks then wait for each other
-// forever. Here they agree, every few steps, on the step at which all of them act. This also works with `neigh_modify
-// once yes`, with which LIGGGHTS does not look for signals at all.
+// LIGGGHTS acts on a signal rank by rank, each at its present step, after which ranks wait for each other forever. Here
+// all ranks agree every few steps on the step at which they act. This also works with `neigh_modify once yes`, with
+// which LIGGGHTS does not check for signals.
 #include "signals.h"
 
 #include <mpi.h>
@@ -25,7 +25,7 @@ namespace {
 constexpr int kAgreeEvery = 10;  // steps between two agreements
 volatile sig_atomic_t quit_seen = 0, restart_seen = 0;
 
-// Writes a text by functions that may be called in a handler.
+// Writes a text with async-signal-safe functions.
 void say(const char* text) {
   const ssize_t written = write(STDERR_FILENO, text, std::strlen(text));
   static_cast<void>(written);
@@ -41,8 +41,8 @@ extern "C" void on_quit(int) {
 
 extern "C" void on_restart(int) { restart_seen = 1; }
 
-// Without a `restart` command LIGGGHTS sets the next restart to a past step once it has written a requested file.
-// Thermo output and dumps would wait for that step forever.
+// Without a `restart` command LIGGGHTS sets the next restart to a past step after it wrote a requested file. Thermo
+// output and dumps would wait for that step forever.
 void keep_output_going(LAMMPS_NS::Output* output, LAMMPS_NS::bigint last_step) {
   const mpdem::RestartSchedule restarts = mpdem::restart_schedule(output);
   if (!restarts.any) restarts.next_single = restarts.next_double = last_step + 1;
@@ -68,7 +68,7 @@ void install_signal_handlers() {
 
 namespace LAMMPS_NS {
 
-// Called once a step by all ranks. Returning 1 makes this step one at which a restart file can be written.
+// Called once a step by all ranks. Returning 1 makes this a step at which a restart file can be written.
 int Neighbor::decide() {
   static const auto decide_of_liggghts = mpdem::original<int (*)(Neighbor*)>("_ZN9LAMMPS_NS8Neighbor6decideEv");
   if (update->ntimestep % kAgreeEvery == 0) {

@@ -5,8 +5,8 @@
 
 namespace mpdem {
 
-// Installs the handlers. SIGINT and SIGTERM write a restart file and end the run. A second one ends the program at
-// once. SIGUSR1 writes a restart file and the run goes on. All ranks do so at the same step.
+// Installs the signal handlers. SIGINT and SIGTERM write a restart file and end the run; a second one ends the program
+// at once. SIGUSR1 writes a restart file, and the run continues. All ranks act at the same step.
 void install_signal_handlers();
 
 }  // namespace mpdem

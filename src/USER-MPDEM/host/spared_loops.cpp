@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Loops of LIGGGHTS that go over all atoms of a rank in every step, and have nothing to do for points: contacts with the triangles of
-// mesh walls, and gravity. Here they end with the grains. See registration.cpp for how the definitions below take the place of those of
-// the library. A LIGGGHTS that is compiled anew has patches for this.
+// Loops of LIGGGHTS over all atoms of a rank in every step that do nothing for points: contacts with triangles of mesh
+// walls, and gravity. Here they end with the grains. See registration.cpp for how these definitions take precedence
+// over those of the library. patches/ has the same for a LIGGGHTS that is compiled anew.
 //
-// No atom behind the first group has a triangle beside it, whether it is a point or not: LIGGGHTS finds the atoms beside a triangle in
-// the bins of its lists of neighbours, which have the first group alone by `neigh_modify include`. The flags of contacts of other atoms
-// are never read. `apart` says that a run was prepared so; `include` may have changed since.
+// No atom behind the first group has a triangle next to it: LIGGGHTS finds these atoms in the bins of its neighbour
+// lists, which have only the first group by `neigh_modify include`. The contact flags of other atoms are never read.
+// `apart` says that a run was prepared so; `include` may have changed since.
 #include <mpi.h>
 
 #include <algorithm>
@@ -32,18 +32,19 @@ bool points_are_apart(LAMMPS* lmp) {
   return cement && cement->apart && !cement->bonds.table.empty() && lmp->neighbor->includegroup != 0;
 }
 
-// Commands may have deleted atoms since LIGGGHTS counted the first group. Grains are before points also then.
+// Commands may have deleted atoms since LIGGGHTS counted the first group, so nfirst may exceed nlocal. Grains precede
+// points even then.
 bool points_are_behind(const Atom& atom) { return atom.nfirst >= 0 && atom.nfirst <= atom.nlocal; }
 
-// Points have weight in fix mpm, and the forces of their atoms mean nothing. Their potential energy is added where it is asked for. A
-// variable of the gravity may look at points.
+// fix mpm applies the weight of points, and forces on their atoms have no effect. Their potential energy is added in
+// compute_scalar(). A variable of the gravity may depend on points.
 bool leaves_points_out(const FixGravity* gravity, LAMMPS* lmp) { return points_are_apart(lmp) && !mpdem::is_variable(gravity); }
 
 }  // namespace
 
 namespace LAMMPS_NS {
 
-// Flags are cleared where they are given out. LIGGGHTS clears a whole page of them, 100 kB for each mesh.
+// Clears only the flags in use. LIGGGHTS clears a whole page of them, 100 kB for each mesh.
 void FixContactHistoryMesh::markAllContacts() {
   static const auto of_all = mpdem::original<void (*)(FixContactHistoryMesh*)>("_ZN9LAMMPS_NS21FixContactHistoryMesh15markAllContactsEv");
   if (!points_are_apart(lmp) || !points_are_behind(*atom)) return of_all(this);

@@ -36,8 +36,8 @@ inline Frame turned(const Frame& q, vd vx, vd vy, vd vz) {
 }
 inline vd square_of(const Frame& q) { return q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z; }
 
-// After the rotation of a step, squares of the lengths of frames are next to 1. Series then replace divisions and
-// roots, which would delay the rest of a step. They are cut where rounding is larger.
+// After the rotation of a step, squared lengths of frames are close to 1. Series then replace divisions and roots,
+// whose latency would delay the rest of a step. They are truncated where rounding is larger.
 constexpr double kNextToOne = 5e-4;
 inline bool all_next_to_one(vd square) { return !any(abs(square - 1.0) > kNextToOne); }
 inline vd inverse_next_to_one(vd square) {
@@ -79,7 +79,8 @@ inline void advance_strain(const Mat3<vd>& F, const Mat3<vd>& dF, Frame& q, Sym3
   const vd wx = half * (G.a[2][1] - G.a[1][2]);
   const vd wy = half * (G.a[0][2] - G.a[2][0]);
   const vd wz = half * (G.a[1][0] - G.a[0][1]);
-  // (1, w/4) q, the frame half-way, is the mean of q and p = (1, w/2) q. The length of q is 1, and p - q is perpendicular to q.
+  // (1, w/4) q, the frame half-way, is the mean of q and p = (1, w/2) q. The length of q is 1, and p - q is
+  // perpendicular to q.
   const Frame p = turned(q, wx, wy, wz), twice_half{q.w + p.w, q.x + p.x, q.y + p.y, q.z + p.z};
   const vd square = 0.25 * (3.0 + square_of(p));
   const vd two = all_next_to_one(square) ? 0.5 * inverse_next_to_one(square) : 0.5 / square;

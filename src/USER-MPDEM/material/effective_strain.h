@@ -6,7 +6,8 @@
 // part of phi x is e, so that
 //   phi x = e + W,   x = A (e + W),   A W + W A = e A - A e
 // with a skew W. The axial vector of A W + W A is (tr A 1 - A) times that of W. So that of W is K axial(e A - A e) with
-// K = (tr A 1 - A)^-1. K has the eigenvalues 1/(A_i + A_j). The map is as accurate as A for every D, and without damage it leaves every bit of e.
+// K = (tr A 1 - A)^-1. K has the eigenvalues 1/(A_i + A_j). The map is as accurate as A for every D, and without damage
+// it leaves every bit of e.
 #ifndef MPDEM_MATERIAL_EFFECTIVE_STRAIN_H
 #define MPDEM_MATERIAL_EFFECTIVE_STRAIN_H
 

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A law of damage: elasticity, and how it loses stiffness until a point fails. A law is one class in one file, derived
+// A damage law: elasticity, and how it loses stiffness until a point fails. A law is one class in one file, derived
 // from LawOf<itself>, and one line in laws.h.
 //
 // Virtual functions of Law are called once a run or once a report. The members below are called in loops over points.
 // They belong to the class itself, and with_law() of laws.h compiles them into the loops. They work on eight points at
 // a time, in the material frame:
 //
-//   kName, kFields        its word after `damage`; numbers that a point keeps, at most kMostFields.
+//   kName, kFields        its name after `damage`; numbers that a point keeps, at most kMostFields.
 //                         All of them are 0 in a point without damage.
 //   State                 these numbers for eight points: kFields times a vd
-//   words()               the words after its name, see LawWord; the constructor takes their values
+//   words()               the options after its name, see LawWord; the constructor takes their values
 //   square_bound(stress, strain)       upper bound of Yeq^2 of undamaged points, without eigenvalues
 //   rough_bound(stress, strain)        upper bound of that, in few operations: most points go no further
 //   threshold()           B of undamaged points that touch no grain
 //   interface()           factor on B of points that touch a grain
 //   growth(dt)            share of the growth that a step allows, 1 without viscosity
-//   softening()           a number of the curve by which points soften, for points whose place does not matter
+//   softening()           a number of the curve by which points soften, for points whose position does not matter
 //   drive(strain, state, softening)    driving force Yeq and its threshold B: damage grows where Yeq is above B
 //   stress(strain, state)
 //   undamaged_drive(strain)            Yeq of the material without damage in that strain
@@ -29,7 +29,8 @@
 //   opening(strain, state)    tensor whose first principal axis is the normal of the crack, for output
 //   column(k, strain, state)  column k of columns()
 //
-// `strength` is the factor on B of each lane, `softening` its softening(). A law without fields does no damage. It needs only words() and the members that output uses.
+// `strength` is the factor on B of each lane, `softening` its softening(). A law without fields does no damage. It
+// needs only words() and the members that output uses.
 #ifndef MPDEM_MATERIAL_LAW_H
 #define MPDEM_MATERIAL_LAW_H
 
@@ -82,7 +83,7 @@ class Law {
   // True if the law does no damage. Points then have no state, and none fails.
   bool inert() const { return fields() == 0; }
 
-  // Values of its words, in the order of words(); of a word with choices, the place of the chosen one.
+  // Values of its options, in the order of words(); of an option with choices, the index of the chosen one.
   virtual std::vector<double> values() const = 0;
   // Largest damage of a point that has not failed.
   virtual double cutoff() const { return 0.0; }
@@ -106,8 +107,8 @@ class Law {
   // Sets that length. G_f: energy per area for which the softening is chosen, for laws with has_crack_energy(); 0: the
   // softening stays. Throws as set_crack_energy() does.
   virtual void set_nonlocal(double length, double /* G_f */) { length_ = length; }
-  // Softening of a point at these distances from the surfaces of its grains, a number that the law alone understands. Asked for
-  // where softens_by_place().
+  // Softening of a point at these distances from the surfaces of its grains, a number that only the law interprets.
+  // Called where softens_by_place().
   virtual double softening_at(double /* d0 */, double /* d1 */) const { return 0.0; }
   virtual bool softens_by_place() const { return false; }
   // Softening of a layer of this thickness between two grains that is strained evenly.

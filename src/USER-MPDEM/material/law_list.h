@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Lists of laws as types: laws of damage (laws.h), and traction laws of links (coupling/traction_laws.h). The class of
-// an object is found once a pass, so loops are compiled for each class and make no virtual call. The header also has
-// the words of a script that follow the name of a law.
+// Lists of laws as types: damage laws (laws.h), and traction laws of links (coupling/traction_laws.h). The class of an
+// object is found once a pass, so loops are compiled for each class and make no virtual call. The header also has the
+// options that follow the name of a law in a script.
 #ifndef MPDEM_MATERIAL_LAW_LIST_H
 #define MPDEM_MATERIAL_LAW_LIST_H
 
@@ -30,23 +30,23 @@ decltype(auto) pick_law(LawList<L, Rest...>, const Base& law, F& f) {
   return f(static_cast<const L&>(law));
 }
 
-// Place of a class in a list, from 1 on.
+// Index of a class in a list, from 1 on.
 template <class Wanted, class L, class... Rest>
 constexpr int number_of(LawList<L, Rest...>) {
   if constexpr (std::is_same_v<Wanted, L>) return 1;
   else return 1 + number_of<Wanted>(LawList<Rest...>());
 }
 
-// A word of a script after the name of a law, with a number or one of `choices`.
+// An option of a script after the name of a law, with a number or one of `choices`.
 struct LawWord {
   std::string name;
   bool (*allowed)(double);
   std::string range;                 // text "must ..." about the allowed numbers
   std::string needed_for;            // text of what it is, if the law needs it
-  std::vector<std::string> choices;  // the value is the place in this list; empty: a number
+  std::vector<std::string> choices;  // the value is the index in this list; empty: a number
 };
 
-// Values of the words that were given.
+// Values of the given options.
 class LawValues {
  public:
   void set(const std::string& word, double value) { value_[word] = value; }
@@ -65,7 +65,7 @@ inline bool is_not_negative(double v) { return v >= 0.0; }
 inline bool is_inside_0_1(double v) { return v > 0.0 && v < 1.0; }
 inline bool is_in_0_1_with_1(double v) { return v > 0.0 && v <= 1.0; }
 
-// The words for a law in a script: its name and its own words.
+// A law in a script: its name and its options.
 struct NamedLaw {
   std::string name;
   std::vector<LawWord> words;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The list of laws of damage. A new law needs its include and the last place in `Laws`, since restart files number the
-// laws. The words of fix mpm, its messages, the kernels and the output follow from the list.
+// The list of damage laws. A new law needs its include and the last entry in `Laws`, since restart files number the
+// laws. The keywords of fix mpm, its messages, the kernels and the output follow from the list.
 #ifndef MPDEM_MATERIAL_LAWS_H
 #define MPDEM_MATERIAL_LAWS_H
 

@@ -8,14 +8,16 @@
 //   average    (ebar/e0)^(1/2) = G * (e/e0)^(1/2),   G a Gaussian of variance L^2
 //   damage     ebar/e0 <= k(d), equal where damage grows, and d never falls
 //   spent      by damage, per area  integral of -(1/2) E e^2 d(1/c) over the bar
-//   energy     per area  spent, and what the band stores at the cut-off beyond the bar around it, (1/2) sigma (e - sigma/E): it is
-//              lost in waves when the middle lets go. Together they are the area under stress over opening.
+//   energy     per area  spent, and what the band stores at the cut-off beyond the bar around it, (1/2) sigma
+//              (e - sigma/E): it is lost in waves when the middle fails. Together they are the area under stress over
+//              opening.
 //
 // The branch that localises at the onset is followed by the damage in its middle. Damage grows in an interval about the
-// middle, which gets shorter. The equations are solved by Newton's method on a lattice with kPerLength points in a length.
+// middle, which gets shorter. The equations are solved by Newton's method on a lattice with kPerLength points in a
+// length.
 //
-// The bar is its own mirror image about the crack. An average ends where the cement ends, so half of the bar is also a bar
-// that comes off the rigid body at its end, with half of the energy.
+// The bar is symmetric about the crack. An average ends where the cement ends, so half of the bar is also a bar that
+// debonds from the rigid grain at its end, with half of the energy.
 #ifndef MPDEM_MATERIAL_LOCALISATION_H
 #define MPDEM_MATERIAL_LOCALISATION_H
 
@@ -36,7 +38,7 @@ struct SofteningCurve {
 struct Localisation {
   double width;   // width of the damaged band, over L
   double energy;  // energy per area, over E e0^2 L
-  double spent;   // the part of it that damage spends
+  double spent;   // energy dissipated by damage, in the same units
 };
 
 // Follows the branch to damage `cutoff` in the middle. Returns nothing if the bar does not localise at the onset, or if

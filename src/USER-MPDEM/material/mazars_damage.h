@@ -11,7 +11,7 @@
 //   failure      d reaches the cut-off: stress zero from then on
 //
 // J. Mazars, Eng. Fract. Mech. 25 (1986) 729. His second pair of parameters, for compression, is left out: damage of
-// compressed cement comes from the strain across the load. The stiffness does not come back in compression. A weaker
+// compressed cement comes from the strain across the load. The stiffness does not recover in compression. A weaker
 // point (s below 1) has the same curve with all strains multiplied by s.
 #ifndef MPDEM_MATERIAL_MAZARS_DAMAGE_H
 #define MPDEM_MATERIAL_MAZARS_DAMAGE_H
@@ -126,7 +126,8 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
     return {stress(strain, s), contract(strain, strain), max(s.kappa, splat(kappa0_))};
   }
 
-  // Step of the damage, in closed form. The energies are those of TensorDamage::update. Their sum balances to second order of the step.
+  // Step of the damage, in closed form. The energies are those of TensorDamage::update. Their sum balances to second
+  // order of the step.
   LawUpdate update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, State& s, vmask active, vd strength, double, vd = vd{}) const {
     LawUpdate u;
     const vd kappa = equivalent(strain) / strength;

@@ -7,7 +7,8 @@
 // growth that the tangent at (strain at the end, D_n) gives along the drive there. D is then of second order in the
 // step. With N at D_n, or solved for at the end of the step, it is of first order at the same cost, see bench/law.cpp.
 // With any N it ends on the surface. A jump far beyond the surface has no such middle. N is then the direction at D_n,
-// and after that twice the direction at the D that it led to. The same is done with literal Y, whose roots are not single anywhere.
+// and after that twice the direction at the D that it led to. The same is done with literal Y, whose roots are not
+// single anywhere.
 //
 // The arithmetic of a lane does not depend on its neighbours: lanes stop and branch by masks.
 #include <cmath>
@@ -29,8 +30,8 @@ constexpr double kNearMarch = 1.1;
 // A trial state with Yeq below this factor times B has a single root along Y (checked on 1200 states). Further out the
 // march to the first root of the full range is needed.
 constexpr double kNearSurface = 1.2;
-// Cosine of the largest angle between the drives at the middle and at the trial state. If a step turns the drive more,
-// the middle says nothing of what happens within the step, and the trial state counts.
+// Cosine of the largest angle between the drives at the middle and at the trial state. If a step rotates the drive
+// more, the middle does not represent the step, and the trial state is used.
 constexpr double kLargestTurn = 0.5;
 constexpr int kMostDirections = 3;
 constexpr double kSameDirection = 1e-10;
@@ -103,7 +104,8 @@ vd TensorDamage::largest_growth(const Sym3<vd>& damage, const Sym3<vd>& directio
   return 1.0 / max(largest(m), splat(0.1));
 }
 
-// True if the largest eigenvalue of D is at `share` of the cut-off: (1 - tiny) share Dcut 1 - D is then not positive definite.
+// True if the largest eigenvalue of D is at `share` of the cut-off: (1 - tiny) share Dcut 1 - D is then not positive
+// definite.
 vmask TensorDamage::at_cutoff(const Sym3<vd>& D, double share) const {
   const double c = share * p_.Dcut * (1.0 - 1e-12);
   const vd xx = c - D.xx, yy = c - D.yy;

@@ -37,7 +37,8 @@ bool find_exponent(F work, double wanted, double& least, double& most, double& m
   return true;
 }
 
-// a^y for a > 0 with a relative error of 1e-4, for bounds. The logarithm is a series about sqrt(2), and 2^f has its own series.
+// a^y for a > 0 with a relative error of 1e-4, for bounds. The logarithm is a series about sqrt(2), and 2^f has its own
+// series.
 vd rough_power(vd a, vd y) {
   const vmask bits = reinterpret_cast<vmask>(a), one = splat_mask(false) + 0x3ff0000000000000;
   const vd mantissa = reinterpret_cast<vd>((bits & 0x000fffffffffffff) | one);
@@ -222,13 +223,14 @@ vd TensorDamage::threshold(const Sym3<vd>& damage, vd m) const {
 }
 
 Sym3<vd> TensorDamage::stress(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
-  // This is the same call as in update(), so a state gives to the bit the same stress there and here.
+  // This is the same call as in update(), so a state gives bitwise the same stress there and here.
   return evaluate(strain, damage).stress;
 }
 
 TensorDamage::Trial TensorDamage::trial(const Sym3<vd>& strain, const Sym3<vd>& damage, vd softening) const {
   const Evaluation s = evaluate(strain, damage);
-  // Cutting the negative part of Y only shortens it, and the tension weight is at most one. So the bounds need no eigenvalues.
+  // Cutting the negative part of Y only shortens it, and the tension weight is at most one. So the bounds need no
+  // eigenvalues.
   return {s.stress, 0.5 * contract(s.Y, s.Y), least_threshold(damage, softening)};
 }
 

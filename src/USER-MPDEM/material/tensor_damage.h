@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Second-order tensor damage by energy equivalence, eight points at a time. All tensors are in the co-rotated material frame.
+// Second-order tensor damage by energy equivalence, eight points at a time. All tensors are in the co-rotated material
+// frame.
 //
 //   effective strain  eps_e = M^-1 : eps, effective stress sigma_e = C0 : eps_e,
 //   stress            sigma = M^-1 : sigma_e,   M : s = sym(phi s),  phi = (1 - D)^-1
@@ -45,7 +46,7 @@ struct DamageParameters {
 // if there is no exponent in (-1,3).
 double crack_band_exponent(const DamageParameters& p, double G_f, double band);
 
-// Width of the band, in cells, in which a body breaks across a grid axis. It holds for quadratic B-splines with two
+// Width of the band, in cells, in which a solid breaks across a grid axis. It holds for quadratic B-splines with two
 // points in a cell in each direction. The narrowest strain that the splines have is a hat of two cells, on a face
 // between the halves of two cells: 3/4 of its top in the two nearest layers of points, and 1/4 in the next two. The
 // nearest layers fail together. The next two get the damage of a third of the strain at failure. A layer is half a cell
@@ -57,7 +58,8 @@ double crack_cell_exponent(const DamageParameters& p, double G_f, double cell);
 
 // Curve of uniaxial tension: strain over stress is (1 - D)^-2, and the threshold of the strain is (1 - D)^(-(1+m)/2).
 SofteningCurve softening_curve(const DamageParameters& p);
-// Exponent m, in [-1/2, 2], that spends G_f on a crack if strain is averaged over a length. Throws as crack_band_exponent() does.
+// Exponent m, in [-1/2, 2], that spends G_f on a crack if strain is averaged over a length. Throws as
+// crack_band_exponent() does.
 double nonlocal_exponent(const DamageParameters& p, double G_f, double length);
 
 // Strength by theory, for example s = E e0^4/e^3 past the onset for exponent 0.
@@ -75,7 +77,8 @@ class TensorDamage final : public LawOf<TensorDamage> {
   static std::vector<LawWord> words();
 
   const DamageParameters& parameters() const { return p_; }
-  // Exponent of points without a place, and of points at these distances from the surfaces of their grains.
+  // Exponent of points whose position does not matter, and of points at these distances from the surfaces of their
+  // grains.
   double softening() const { return p_.exponent; }
   double softening_at(double d0, double d1) const override { return surface_band_.exponent(d0, d1); }
   bool softens_by_place() const override { return surface_band_.depends_on_place(); }
@@ -119,7 +122,8 @@ class TensorDamage final : public LawOf<TensorDamage> {
 
   vd undamaged_drive(const Sym3<vd>& strain) const;
 
-  // Stress for given strain and damage. In lanes whose result is not used, D may be any tensor with eigenvalues below one.
+  // Stress for given strain and damage. In lanes whose result is not used, D may be any tensor with eigenvalues below
+  // one.
   Sym3<vd> stress(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
 
   // Finds the stress, a bound of Yeq and one of B. Points keep their damage if the first bound is below the second.
@@ -130,11 +134,10 @@ class TensorDamage final : public LawOf<TensorDamage> {
 
   // Does a step of `damage` from strain_start to strain. It ends on the surface, and grows along the drive at the
   // middle of the step, see return_map.cpp. Lanes outside `active` (failed, or empty) keep their damage and return zero
-  // stress. The result of a lane is to the bit independent of the others.
-  // The energies are the trapezoidal work of the step less the change of stored energy, eps_n : (C(D_n) - C(D_n+1)) :
-  // eps_n+1 / 2. So a sum over the steps balances to second order of the step.
-  // strength: factor on B0 of each lane. growth: share of the growth that the step allows, dt/(viscosity + dt), 1 without viscosity.
-  // softening: exponent of each lane, softening() where it is not given.
+  // stress. The result of a lane is bitwise independent of the others. The energies are the trapezoidal work of the
+  // step less the change of stored energy, eps_n : (C(D_n) - C(D_n+1)) : eps_n+1 / 2. So a sum over the steps balances
+  // to second order of the step. strength: factor on B0 of each lane. growth: share of the growth that the step allows,
+  // dt/(viscosity + dt), 1 without viscosity. softening: exponent of each lane, softening() where it is not given.
   Update update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, Sym3<vd>& damage, vmask active, vd strength, double growth,
                 vd softening) const;
   Update update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, Sym3<vd>& damage, vmask active, vd strength = splat(1.0),

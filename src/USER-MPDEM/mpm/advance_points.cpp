@@ -11,9 +11,10 @@ namespace mpdem {
 
 namespace {
 
-constexpr int kAhead = 2;  // blocks to prefetch ahead: their time is about that of a memory access
+constexpr int kAhead = 2;  // blocks to prefetch ahead; their compute time is about that of a memory access
 
-// Advances one block with its weights s. Finds the strain at the end of the step, and scatters the force if the stress does not have to wait.
+// Advances one block with its weights s. Finds the strain at the end of the step. Scatters the force unless the stress
+// is deferred (point_stress.h).
 template <class L, class W>
 inline void advance_block(PointStore& points, int b, const W& s, const Grid& grid, double* force, double dt, PointStress<L>& stress_at_end,
                           PassClock& clock) {
@@ -25,7 +26,7 @@ inline void advance_block(PointStore& points, int b, const W& s, const Grid& gri
   clock.gathered();
 
   const Sym3<vd> strain_start = p.strain;
-  // The debris of a crack may turn inside out, so its state is frozen.
+  // A failed point may be turned inside out, so its state is frozen.
   if (m.failed) dF = keep(lanes(m.failed), Mat3<vd>{}, dF);
   advance_strain(p.F, dF, p.q, p.strain);
   for (int i = 0; i < 3; ++i)

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The pass over the points of a step with `total` kinematics. It takes the velocity gradient from the grid, finds
-// deformation gradient, co-rotated strain, damage and stress of each point, and gives the internal force to the grid.
-// It is total Lagrangian. With the Kirchhoff stress tau = C(D) : strain and P = tau F^-T the force of a node is
+// Pass over the points in a step with `total` kinematics (total Lagrangian). It gathers the velocity gradient from the
+// grid, finds deformation gradient, co-rotated strain, damage and stress of each point, and scatters the internal force
+// to the grid. With the Kirchhoff stress tau = C(D) : strain and P = tau F^-T the force of a node is
 //   f_I = - sum_p V_p P_p grad N_I(X_p).
-// This conserves momentum and angular momentum of the nodes to rounding. The law gives energy per reference volume,
-// and the Kirchhoff stress is work-conjugate to that. If the stress of the law were taken as the Cauchy stress, the
-// work of the forces would differ from the energy by the change of volume, which is 1 % and more at the strains at
-// which cement fails.
+// This conserves momentum and angular momentum of the nodes to rounding. The law gives energy per reference volume, and
+// the Kirchhoff stress is work-conjugate to that. If it were taken as the Cauchy stress, the work of the forces would
+// differ from the energy by the change of volume, which is 1 % and more at the strains at which cement fails.
 #ifndef MPDEM_MPM_ADVANCE_POINTS_H
 #define MPDEM_MPM_ADVANCE_POINTS_H
 
@@ -21,24 +20,24 @@
 
 namespace mpdem {
 
-// What drives the damage in a pass, and work that it may leave out because that cannot change the result.
+// What drives the damage in a pass, and which work it may skip. Skipping does not change the result.
 struct AdvanceOptions {
-  bool skip_undamaged = true;  // leave out the return map where a bound shows that no damage grows
-  bool skip_failed = true;     // leave out blocks all of whose points failed
-  bool skip_resting = true;    // leave out bonds that have not been strained or moved
-  // Averages drive the damage, see drive_average.h. Points without an average keep their damage.
+  bool skip_undamaged = true;  // no return mapping where a bound shows that no damage grows
+  bool skip_failed = true;     // skip blocks all of whose points failed
+  bool skip_resting = true;    // skip bonds that have not been strained or moved
+  // Averages drive the damage (drive_average.h). Points without an average keep their damage.
   bool nonlocal = false;
 };
 
 struct AdvanceResult {
-  double dissipated = 0.0, released = 0.0;  // energy of this step
+  double dissipated = 0.0, released = 0.0;  // energies of this step
   std::vector<int> failed;                  // slots that failed in this step, ascending
   bool near_threshold = false;              // nonlocal damage only: some point is near its threshold, or damage has grown
   PassTicks ticks;
 };
 
-// Advances the points of the blocks [first, last) by dt with the nodal velocity. Adds the internal force at the end of
-// the step. Failed points keep their state and give no force.
+// Advances the points of the blocks [first, last) by dt with the nodal velocity, and adds the internal force at the end
+// of the step. Failed points keep their state and exert no force.
 void advance_points(PointStore& points, int first, int last, Grid& grid, const Law& law, double dt, const AdvanceOptions& options,
                     AdvanceResult& result);
 

@@ -18,11 +18,11 @@ const Mat3<vd>& unit() {
   return one;
 }
 
-// Affine part of the velocity at the points of a block. `gradient` is the velocity gradient there.
+// APIC affine velocity matrix C of the points of a block. `gradient` is the velocity gradient there.
 template <class Type, int Joined>
 Mat3<vd> affine_part(const double* velocity, const int* column, const Weights<Type, Joined>& s, const vd* X, const int* base, double h,
                      const Mat3<vd>& gradient) {
-  if constexpr (Type::kAffine == 0.0) return gradient;  // both are equal for tents
+  if constexpr (Type::kAffine == 0.0) return gradient;  // both are equal for linear hat functions
   Mat3<vd> C = gather_gradient(velocity, column, with_moments(s, X, base, h));
   const double scale = Type::kAffine / (h * h);
   for (int i = 0; i < 3; ++i)
@@ -30,7 +30,7 @@ Mat3<vd> affine_part(const double* velocity, const int* column, const Weights<Ty
   return C;
 }
 
-// Adds mass, momentum and internal force of the lanes in `which` of block b to the nodes, with the weights s.
+// Scatters mass, momentum and internal force of the lanes `which` of block b to the nodes, with the weights s.
 template <class W>
 void give(const PointStore& points, int b, const W& s, vmask which, const Sym3<vd>& stress, Grid& grid, double density,
           const Transfer& transfer) {
@@ -53,7 +53,7 @@ void give(const PointStore& points, int b, const W& s, vmask which, const Sym3<v
   if (m.failed != m.occupied) scatter_gradient(grid.force.data(), m.column, s, weighted_kirchhoff(p.q, stress, volume));
 }
 
-// Weights of a block at the present places of its points.
+// Weights of a block at the present positions of its points.
 template <class Type>
 Weights<Type> weights_of(const PointStore& points, int b, const Grid& grid) {
   return Weights<Type>(points.blocks[b].X, points.meta[b].base, 1.0 / grid.h);
@@ -145,7 +145,7 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
   const double* velocity = grid.velocity.data();
   PointStress<L> stress_at_end(points, law, dt, options, grid.drive_limit, result);
   PassClock clock(result.ticks);
-  // Lanes that stayed in their cell, for each block that waits.
+  // Lanes that stayed in their cell, for each block whose stress is deferred (point_stress.h).
   std::uint8_t stayed[PointStress<L>::kMost];
   int waiting = 0, given = 0;
   const auto give_waiting = [&](int b, const Sym3<vd>& stress) {
@@ -209,7 +209,7 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
   settle();
 }
 
-// If the points of a cell fit into one block less, the points of the emptiest block go to the others. Returns true if
+// If the points of a cell fit into one block less, moves those of the emptiest block to the others. Returns true if
 // that block has linked points.
 bool UpdatedPass::pack(PointStore& points, const Grid& grid, int node) {
   int in_cell = 0, blocks = 0, least = -1;
@@ -231,7 +231,7 @@ bool UpdatedPass::pack(PointStore& points, const Grid& grid, int node) {
     const Move m{kLanes * least + l, kLanes * to + lane};
     points.take(points, m.from, m.to);
     points.empty_lane(m.from, grid.h, grid.basis);
-    // A block that took points of an emptier one may be the emptiest now.
+    // A point may move twice: a block that received points in an earlier call may be the emptiest now.
     const auto earlier = std::find_if(packed_.begin(), packed_.end(), [&](const Move& p) { return p.to == m.from; });
     if (earlier != packed_.end()) earlier->to = m.to;
     else packed_.push_back(m);
@@ -239,8 +239,8 @@ bool UpdatedPass::pack(PointStore& points, const Grid& grid, int node) {
   return linked;
 }
 
-// Moves points that left their cell to blocks of the new cell. Few points do so in a step, so searches are cheap
-// enough. All points leave before the first one arrives. So neighbours that cross a face together take each other's lanes, and blocks stay full.
+// Moves points that left their cell to blocks of the new cell. Few points do so in a step, so searches are cheap. All
+// points leave before the first one arrives. So arriving points take the lanes of leaving ones, and blocks stay full.
 void UpdatedPass::relocate(PointStore& points, const Grid& grid, AdvanceResult& result) {
   targets_.clear();
   crossings_ = static_cast<int>(moves_.size());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Decides which points share a block and which lane each point has, see PointStore::arrange().
+// Assigns points to blocks and lanes for PointStore::arrange().
 #include <algorithm>
 #include <array>
 #include <map>
@@ -15,7 +15,7 @@ namespace {
 
 struct Item {
   int row, layer, base[3], tag, slot;
-  int to_layer;  // part of the block it goes to; blocks are planned by `part`
+  int to_layer;  // layer of the block it goes to; blocks are planned by `layer`
 };
 
 bool same_cell(const Item& a, const Item& b) {
@@ -30,7 +30,7 @@ bool cell_before(const Item& a, const Item& b) {
   return false;
 }
 
-// Items of a block: those of its first cell, and those of further cells in a row with it.
+// Items of a block: those of its first cell, and those of the next cells in its row.
 struct Plan {
   int first = 0, count = 0;
   int joined = kOneCell;
@@ -53,15 +53,16 @@ struct Plan {
   }
 };
 
-// Finds cells in a row whose partial blocks can share one block.
+// Merges partly filled blocks of cells in a row.
 class Joiner {
  public:
-  // partial: the plans of blocks that are not full, in the order of their cells.
+  // partial: plans of the blocks that are not full, in the order of their cells.
   Joiner(const std::vector<Item>& items, std::vector<Plan>& plans, const std::vector<int>& partial)
       : items_(items), plans_(plans), partial_(partial), gone_(plans.size(), 0) {}
 
-  // Joins partial block a with those of next cells, if they fit together. Takes the choice with most points. Among
-  // equals, two cells come before three, and the last direction comes first, since columns there just get longer.
+  // Merges partial block a with those of the next cells along an axis, if their points fit into one block. Takes the
+  // choice with most points. Among equals, two cells come before three, and the last direction comes first, since there
+  // columns only get longer.
   void join(int a) {
     Plan& p = plans_[a];
     if (gone_[a] || p.joined != kOneCell) return;
@@ -96,7 +97,7 @@ class Joiner {
 
  private:
   int count(int a) const { return a < 0 ? 0 : plans_[a].count; }
-  // The partial block of the cell `reach` ahead along d, or -1 if there is none that may be taken.
+  // The partial block of the cell `reach` ahead along d, or -1 if there is none or it is merged already.
   int beside(int a, int d, int reach) const {
     Item next = items_[plans_[a].first];
     next.base[d] += reach;
@@ -111,10 +112,10 @@ class Joiner {
   std::vector<char> gone_;
 };
 
-// Plans blocks for items that are sorted by cells. join: partial blocks may share a block.
+// Plans blocks for items that are sorted by cell. join: partial blocks may be merged.
 std::vector<Plan> plan_blocks(const std::vector<Item>& items, bool join) {
   std::vector<Plan> plans;
-  std::vector<int> partial;  // blocks that are not full: each is the last of its cell; ordered by cell
+  std::vector<int> partial;  // blocks that are not full, each the last of its cell, in the order of cells
   const int n = static_cast<int>(items.size());
   for (int i = 0; i < n;) {
     Plan p;
@@ -133,8 +134,8 @@ std::vector<Plan> plan_blocks(const std::vector<Item>& items, bool join) {
   return plans;
 }
 
-// Finds the lanes of the items of one cell, if these are in columns of a lattice. The columns of a box are told apart
-// by the side of the cell that they are on.
+// Finds the lanes of the items of one cell, if these are in columns of a lattice (columns.h). The columns of a box are
+// numbered by the half of the cell in which they lie along x and y.
 void place_in_columns(Plan& p, const double (*X)[3], const double* middle) {
   int lane[kLanes];
   const double *height[2] = {}, *column[4] = {};
@@ -160,8 +161,8 @@ void place_in_columns(Plan& p, const double (*X)[3], const double* middle) {
   std::copy_n(lane, p.count, p.lane);
 }
 
-// Gives empty lanes the coordinate of the points in their group. A group without points takes the coordinate of another
-// group. Returns false, and changes nothing, if points of a group have different coordinates.
+// Gives empty lanes the coordinate of the points in their group. A group without points gets the coordinate of another
+// group. Returns false and changes nothing if points of a group differ in this coordinate.
 bool share_places(vd& X, std::uint8_t occupied, const int (&group)[kLanes], int groups) {
   double place[4];
   unsigned found = 0;

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Shape functions of the background grid. They are products of 1-D functions. Each 1-D function is a type
-// (linear_hat.h, quadratic_bspline.h, cubic_bspline.h), so that a kernel is compiled for each of them. In each
-// direction a point at X uses kSupport nodes, the first of which is base = floor(X/h - kShift). Points with the same
-// base form a cell. The weights of a point sum to one and reproduce linear fields.
+// Shape functions of the background grid: products of 1-D functions. Each 1-D function is a type (linear_hat.h,
+// quadratic_bspline.h, cubic_bspline.h), so that kernels are compiled for each of them. In each direction a point at X
+// uses kSupport nodes, the first of which is base = floor(X/h - kShift). Points with the same base form a cell. The
+// weights of a point, its values of the shape functions, sum to one and reproduce linear fields.
 //
-// A new basis has one file with such a type, and a place in the two lists below. That place must be the last, since
-// restart files number the bases. The words of fix mpm, its messages, the bound of the time step and the kernels follow
-// from the type. Members of a type Type, with t = X/h - base:
-//   kName           the word of `basis`
+// A new basis needs a file with such a type, and an entry at the end of the two lists below; the order is fixed, since
+// restart files store the index. The keywords of fix mpm, its messages, the bound of the time step and the kernels
+// follow from the type. Members of a type Type, with t = X/h - base:
+//   kName           the option of `basis`
 //   kSupport        nodes in each direction
 //   kShift          see above
 //   kMiddle         middle of a cell, measured from its base in units of h
 //   factors()       weights and gradients of eight points
-//   kAffine         h^2 over the second moment of the weights, sum w_I (X_I - X)^2, if that moment is the same at all places, else 0
-//   kSteepest       maximum over t of sum_I (dN_I/dt)^2 / N_I, 0 if there is none (eigenvalue_bound in largest_eigenvalue.h)
-//   kTiedBelow      a node at the edge with less than this share of the mass of the next node inside is tied (extension_constraints.h)
+//   kAffine         h^2 over the second moment of the weights, sum w_I (X_I - X)^2; 0 if that moment depends on X
+//   kSteepest       maximum over t of sum_I (dN_I/dt)^2 / N_I, 0 if unbounded (eigenvalue_bound, largest_eigenvalue.h)
+//   kTiedBelow      a node at the edge with less than this share of the mass of the next node inside is constrained
+//                   (extension_constraints.h)
 //   kMayJoinCells   true if a block may have points of several cells in a row; this does not pay with many nodes
 #ifndef MPDEM_MPM_BASIS_H
 #define MPDEM_MPM_BASIS_H
@@ -39,7 +40,7 @@ struct BasisList {
 };
 
 using Bases = BasisList<LinearTent, QuadraticBspline, CubicBspline>;
-enum class Basis { linear, quadratic, cubic };  // the place in the list
+enum class Basis { linear, quadratic, cubic };  // index in the list
 
 constexpr int kMostColumns = Bases::kMostSupport * Bases::kMostSupport;
 
@@ -51,9 +52,9 @@ decltype(auto) with_place_in(BasisList<Type, Rest...>, int place, F& f) {
   return f(Type());
 }
 
-// Calls f with an object of the type of the basis. The choice costs a comparison or two of integers. Kernels put their
-// loop over points into f, so that it is compiled for each basis. Helpers such as support() choose anew in each call.
-// This is cheap beside the work on a block.
+// Calls f with an object of the type of the basis. Kernels have their loop over points in f, so that it is compiled for
+// each basis. Helpers such as support() dispatch in each call, by one or two comparisons of integers, which is cheap
+// beside the work on a block.
 template <class F>
 decltype(auto) with_basis(Basis basis, F f) {
   return with_place_in(Bases(), static_cast<int>(basis), f);
@@ -73,17 +74,17 @@ inline double cell_middle(Basis basis) {
   return with_basis(basis, [](auto type) { return decltype(type)::kMiddle; });
 }
 
-// First node of the support of X. shift is cell_shift(basis), a whole number of half cells. A point may lie on a face
-// of cells. All callers must get the same cell for it: otherwise its block and its link would use different cells. So
-// the shift is subtracted as an integer. X/h - 1/2 would be rounded once where the compiler contracts the two
-// operations, and twice elsewhere. Which of the two happens depends on the code around it.
+// First node of the support of X. shift is cell_shift(basis), a whole number of half cells. For a point on a face of
+// cells all callers must get the same cell, or its block and its link would use different ones. So the shift is
+// subtracted as an integer. X/h - 1/2 would be rounded once where the compiler contracts the two operations and twice
+// elsewhere, which depends on the surrounding code.
 inline int support_base(double X, double inverse_h, double shift) {
   return (static_cast<int>(std::floor(X * (2.0 * inverse_h))) - static_cast<int>(2.0 * shift)) >> 1;
 }
 
-// A block may have points of several cells in a row. Its code is d + 3 (reach - 1), where d is the direction of the row
-// and `reach` tells how far ahead the last cell is. The block has `reach` more nodes in direction d. A cell between two
-// others may have no point of the block.
+// A block may have points of several cells in a row. The code of the row is d + 3 (reach - 1), where d is its direction
+// and `reach` the offset of its last cell (1 or 2). The block has `reach` more nodes in direction d. The cell between
+// two others may have no point of the block.
 constexpr int kOneCell = -1, kMostReach = 2;
 constexpr int cells_in_a_row(int d, int reach) { return reach == 0 ? kOneCell : d + 3 * (reach - 1); }
 constexpr int reach_along(int joined, int d) { return joined != kOneCell && joined % 3 == d ? 1 + joined / 3 : 0; }
@@ -91,15 +92,14 @@ inline bool may_join_cells(Basis basis) {
   return with_basis(basis, [](auto type) { return decltype(type)::kMayJoinCells; });
 }
 
-// The node of a column that the kernels leave out of their products. It takes what the others leave, since weights sum
-// to one, and gradients to zero. First moments in the place of gradients sum to zero as well.
+// The node of a column for which the kernels form no products. Its terms follow from those of the others, since weights
+// sum to one and gradients to zero. First moments, which can replace gradients, sum to zero as well.
 constexpr int kLeftOut = 1;
 
 // 1-D factors of weights and gradients for the eight points of a block.
 template <class Type, int Joined = kOneCell>
 struct Weights {
   static constexpr int kSupport = Type::kSupport;
-  // Number of nodes along direction d.
   static constexpr int nodes(int d) { return kSupport + reach_along(Joined, d); }
   static constexpr int kReach = Joined == kOneCell ? 0 : 1 + Joined / 3;
   static constexpr int kI = kSupport + reach_along(Joined, 0), kJ = kSupport + reach_along(Joined, 1),
@@ -108,7 +108,7 @@ struct Weights {
   vd w[3][kMost];   // [direction][node]
   vd dw[3][kMost];  // per length
 
-  // Weights of a block of cells in a row. Lanes in `second` and `third` are in the second and third cell. `base` is that of the first cell.
+  // Weights of a block of cells in a row. base: of the first cell. second, third: lanes in the second and third cell.
   Weights(const vd* X, const int* base, vmask second, vmask third, double inverse_h) {
     static_assert(Joined != kOneCell, "blocks of cells in a row");
     for (int d = 0; d < 3; ++d) {
@@ -129,7 +129,7 @@ struct Weights {
   Weights(const vd* X, const int* base, double inverse_h) {
     for (int d = 0; d < 3; ++d) Type::factors(X[d] * inverse_h - base[d], inverse_h, w[d], dw[d]);
   }
-  // Weights of points in different cells. base[d] has the base of each lane.
+  // Weights of points in any cells. base[d] has the base of each lane.
   Weights(const vd* X, const vint* base, double inverse_h) {
     for (int d = 0; d < 3; ++d) Type::factors(X[d] * inverse_h - __builtin_convertvector(base[d], vd), inverse_h, w[d], dw[d]);
   }
@@ -142,7 +142,7 @@ struct Weights {
   }
 };
 
-// Weights whose gradients are replaced by the first moments w_I (X_I - X).
+// Weights with the first moments w_I (X_I - X) instead of the gradients.
 template <class Type, int Joined>
 inline Weights<Type, Joined> with_moments(const Weights<Type, Joined>& s, const vd* X, const int* base, double h) {
   Weights<Type, Joined> m(s);

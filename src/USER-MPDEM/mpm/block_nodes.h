@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodes of a block, including those of all cells that it has in a row. The nodes of most blocks are columns of
-// neighbours in memory. A block that borrows nodes (BlockMeta::borrowed) has a list of them instead. The values of
-// these nodes are copied into columns for the kernels of gather.h and scatter.h, and sums are copied back.
+// Nodes of a block, including those of all cells of its row. The nodes of most blocks are columns of neighbours in
+// memory. A block with aliased nodes (BlockMeta::aliases) has a list of nodes instead. Their values are copied into
+// columns for the kernels of gather.h and scatter.h, and sums are added back.
 #ifndef MPDEM_MPM_BLOCK_NODES_H
 #define MPDEM_MPM_BLOCK_NODES_H
 
@@ -32,7 +32,7 @@ void for_each_node(const Grid& grid, const BlockMeta& m, F f) {
     for (int k = 0; k < length; ++k) f(m.column[c] + k);
 }
 
-// Calls f(node) for each node of the cell in which the point of a lane lies.
+// Calls f(node) for each node of the cell of the point in a lane.
 template <class F>
 void for_each_node_of_lane(const Grid& grid, const BlockMeta& m, int lane, F f) {
   const int S = support(grid.basis), J = nodes_along(m, 1, S), K = nodes_along(m, 2, S);
@@ -47,7 +47,7 @@ void for_each_node_of_lane(const Grid& grid, const BlockMeta& m, int lane, F f) 
   });
 }
 
-// Columns with the values of the borrowed nodes of a block, kWidth numbers each.
+// Columns with the values of the aliased nodes of a block, kWidth numbers each.
 template <int kWidth>
 class BlockColumns {
  public:
@@ -62,8 +62,7 @@ class BlockColumns {
     for (int n = 0; n < count_; ++n)
       for (int c = 0; c < kWidth; ++c) field[kWidth * static_cast<long>(nodes_[n]) + c] += values[kWidth * n + c];
   }
-  double values[kWidth * kMostColumns * Bases::kMostSupport + kLanes] =
-      {};  // the last lanes are room for what a kernel reads beyond the nodes
+  double values[kWidth * kMostColumns * Bases::kMostSupport + kLanes] = {};  // padded by kLanes, since kernels read beyond the nodes
   int column[kMostColumns];
 
  private:
@@ -80,7 +79,7 @@ void with_values(const Grid& grid, const BlockMeta& m, const double* field, F f)
   f(static_cast<const double*>(own.values), static_cast<const int*>(own.column));
 }
 
-// Calls f(sums, columns), where f adds to the sums of a nodal field, kWidth numbers a node.
+// Calls f(sums, columns), which adds to the sums of a nodal field, kWidth numbers a node.
 template <int kWidth, class F>
 void with_sums(const Grid& grid, const BlockMeta& m, double* field, F f) {
   if (m.aliases == BlockMeta::kOwn) return f(field, m.column);

@@ -14,11 +14,11 @@
 namespace mpdem {
 
 namespace {
-// Bounds of the stiffness that pressure adds. kMostDistorted is that of |F| and |F^-1|, which are 3^(1/2) undeformed.
+// Limits that bound the stiffness that pressure adds. kMostDistorted: of |F| and |F^-1|, which are 3^(1/2) undeformed.
 constexpr double kMostDistorted = 4.0;
 constexpr double kMostPressed = 0.1;  // largest pressure, over K
 
-// lambda_0 of points with the crack normals n0. along: n n in the frame of the material.
+// lambda_0 of points with the crack normals n0. along: n n in the material frame.
 vd width_when_closed(const PointStore& points, int block, const vd* n0, const Sym3<vd>& along, vd K) {
   const Mat3<vd> back = mpdem::inverse(points.blocks[block].F);
   vd square{};
@@ -59,7 +59,7 @@ void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged
   if (at == blocks_.end() || at->block != block) at = blocks_.insert(at, Block{block, {}, {}, {}, {}, 0, friction_ > 0.0});
   const PointBlock& p = points.blocks[block];
   const Mat3<vd> Q = rotation_matrix(p.q);
-  vd n0[3], n[3];  // n: in the frame of the material
+  vd n0[3], n[3];  // n: in the material frame
   for (int i = 0; i < 3; ++i) {
     n0[i] = p.F.a[0][i] * cracks.normal[0] + p.F.a[1][i] * cracks.normal[1] + p.F.a[2][i] * cracks.normal[2];
     n[i] = Q.a[0][i] * cracks.normal[0] + Q.a[1][i] * cracks.normal[1] + Q.a[2][i] * cracks.normal[2];
@@ -132,7 +132,7 @@ ClosingPoints::Shear ClosingPoints::shear_of(const PointStore& points, const Blo
     s.e[i] = select(bear, gamma - b.gamma_f[i] - slip, vd{});
     slope += s.e[i] * gamma;
   }
-  // The part of F^-T e along n = lambda F^-T n0 is -e.gamma/lambda.
+  // The component of F^-T e along n = lambda F^-T n0 is -e.gamma/lambda.
   const Mat3<vd>& m = c.inverse_transposed;
   for (int i = 0; i < 3; ++i) s.traction[i] = m.a[i][0] * s.e[0] + m.a[i][1] * s.e[1] + m.a[i][2] * s.e[2] + slope * c.across[i];
   return s;
@@ -157,7 +157,7 @@ Mat3<vd> ClosingPoints::weighted_piola(const PointStore& points, const Block& b,
 }
 
 double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& before, const Crack& now, Shear& shear) const {
-  const vmask old = ~lanes(b.fresh), was_closed = before.closed & old;  // the shear of points that fail now begins at 0
+  const vmask old = ~lanes(b.fresh), was_closed = before.closed & old;  // the shear of points that failed in this step begins at 0
   const Shear first = shear_of(points, b, before, was_closed);
   const vmask closes = now.closed & ~before.closed & old;
   if (any(closes)) {
@@ -167,7 +167,7 @@ double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& bef
       slip = select(closes, b.n0[i] - before.lambda * before.lambda * before.back[i] - b.gamma_f[i], slip);
     }
   }
-  // A crack that opens slides until nothing is left.
+  // A crack that opens slides until it has no shear.
   shear = shear_of(points, b, now, now.closed | (now.sound & was_closed));
   const vd size =
       G_ * sqrt(shear.traction[0] * shear.traction[0] + shear.traction[1] * shear.traction[1] + shear.traction[2] * shear.traction[2]);

@@ -5,10 +5,10 @@
 // scatter.h). Lanes 2n and 2n + 1 are the lower and the upper point of column n. All lower points are at one height,
 // and so are all upper ones. A lattice with two points a cell in each direction gives such blocks. If the columns are
 // also the corners of a rectangle, with n = 2a + b, the points are those of a box. Each node and direction then has two
-// different weights, or four across columns that stand anywhere. Lanes are summed over the points of a column, and over
-// the columns of a rectangle, as soon as the weights are known. They are split only when they are needed. (This is the
-// sum factorisation of spectral elements, Orszag 1980.) It takes less than half of the multiplications of eight points
-// anywhere, which limit the speed of the kernels.
+// different weights; across columns at any positions it has four. Lanes are summed over the points of a column, and
+// over the columns of a rectangle, as soon as the weights are known, and are split only when needed (sum factorisation
+// of spectral elements, Orszag 1980). This takes less than half of the multiplications of eight points at any
+// positions, which limit the speed of the kernels.
 //
 // Intermediate vectors have the lanes 2 component + c, with c = 1 for upper points. Lanes 6 and 7 are not used.
 #ifndef MPDEM_MPM_COLUMNS_H
@@ -22,7 +22,7 @@
 
 namespace mpdem {
 
-// Arrangement of the points of a block, if it is more regular than "anywhere in the cell".
+// Regular arrangement of the points of a block; none: any positions in the cell.
 enum class Lattice : std::uint8_t { none, columns, box };
 
 template <class Type, Lattice kLattice>
@@ -64,7 +64,7 @@ inline void by_component(const vd (&U)[4], vd& x, vd& y, vd& z) {
   z = __builtin_shufflevector(near, far, 0, 1, 4, 5, 8, 9, 12, 13);
 }
 
-// Adds to the three nodes of a column. of0, of1 and of2 have the shares of nodes 0, 1 and 2 from lower and upper points.
+// Adds to the three nodes of a column. of0, of1 and of2: contributions of lower and upper points to nodes 0, 1 and 2.
 inline void add_column(double* place, const vd& of0, const vd& of1, const vd& of2) {
   const vd near01 = __builtin_shufflevector(of0, of1, 0, 2, 4, 8, 10, 12, 0, 2),
            far01 = __builtin_shufflevector(of0, of1, 1, 3, 5, 9, 11, 13, 1, 3);
@@ -82,8 +82,8 @@ inline void add_column(double* place, const vd& of0, const vd& of1, const vd& of
 // Number of columns with different weights along the second direction: all four, or in a box the two of a = 0.
 constexpr int own_columns(Lattice lattice) { return lattice == Lattice::box ? 2 : 4; }
 
-// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d This function and scatter_gradient() are not inlined. The compiler then reads
-// single weights as operands from memory, without instructions of their own.
+// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d. Neither this function nor scatter_gradient() is inlined, so that the compiler
+// reads single weights as memory operands, without instructions of their own.
 template <class Type, Lattice kLattice>
 __attribute__((noinline)) inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column,
                                                           const ColumnWeights<Type, kLattice>& s) {
@@ -134,7 +134,7 @@ __attribute__((noinline)) inline Mat3<vd> gather_gradient(const double* __restri
   return G;
 }
 
-// Scalar field: out = sum_I nodal_I N_I
+// Returns sum_I nodal_I N_I of a scalar field.
 template <class Type, Lattice kLattice>
 inline vd gather_scalar(const double* __restrict nodal, const int* column, const ColumnWeights<Type, kLattice>& s) {
   vd sum{};

@@ -15,7 +15,7 @@ namespace mpdem {
 SmoothingPasses sweeps_for(double length, double cell, Basis basis) {
   const double ratio = length / cell, degree_plus_1 = support(basis);
   const double sweeps = (ratio * ratio - degree_plus_1 / 12.0) / (degree_plus_1 / 6.0);
-  // A tiny rest is rounding error.
+  // A tiny remainder is rounding.
   const int whole = static_cast<int>(sweeps * (1.0 + 1e-9));
   const double rest = sweeps - whole;
   if (whole == 0) return {1, 1.0};  // L equals the cell, up to rounding

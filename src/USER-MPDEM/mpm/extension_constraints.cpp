@@ -16,16 +16,16 @@ namespace mpdem {
 
 namespace {
 
-// Shares of mass: kTiedBelow of the basis is a share of the mass of the next node. No share is near those of a lattice
-// with full cells, so rounding decides nothing.
+// Thresholds of mass. kTiedBelow of the basis is relative to the mass of the next node. None is near the ratios of a
+// lattice with full cells, so rounding decides nothing.
 double tied_below(Basis basis) {
   return with_basis(basis, [](auto type) { return decltype(type)::kTiedBelow; });
 }
-constexpr double kSecond = 2.0;  // a node is tied only if the second node has at least so many times its mass, see extension_constraints.h
+constexpr double kSecond = 2.0;  // the second node must have at least so many times the mass of the constrained one
 constexpr double kAlike = 1e-6;
 
 constexpr int kDirections = 6;  // -x +x -y +y -z +z
-using Code = int;               // bit n: the node is tied along direction n
+using Code = int;               // bit n: the node is constrained along direction n
 
 using Next = std::function<Key(const Key&, int)>;
 
@@ -42,7 +42,7 @@ int index_of(const std::vector<Key>& keys, const Key& k) {
 
 int directions_of(Code code) { return __builtin_popcount(code); }
 
-// Calls f(master, weight, whether it takes mass) for each master that a code names.
+// Calls f(node, weight, whether it receives mass) for each node behind k by its code.
 template <class F>
 void for_each_term(const Next& next, const Key& k, Code code, F f) {
   const double share = 1.0 / directions_of(code);
@@ -89,7 +89,8 @@ class Resolver {
   std::map<Key, ExtensionConstraint> done_;
 };
 
-// Codes of the nodes of this rank. All ranks that hold a node find the same code, since sums over ranks are equal on them (halo_sum.h).
+// Codes of the nodes of this rank. All ranks that have a node find the same code, since sums over ranks are equal on
+// all of them (halo_sum.h).
 std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& nodes) {
   const std::vector<Key>& keys = nodes.keys;
   const std::vector<double>& mass = nodes.mass;
@@ -142,7 +143,7 @@ std::vector<ExtensionConstraint> find_extension_constraints(MPI_Comm comm, Basis
       codes.emplace_hint(codes.end(), keys[i], static_cast<Code>(own[i]));
       open.push_back(keys[i]);
     }
-  // Asks other ranks whether the masters that they hold are tied too, and then for the masters of these.
+  // Asks other ranks for the codes of nodes behind that they have, and repeats this for those that are constrained.
   for (int more = 1; more;) {
     std::vector<Key> ask;
     for (const Key& k : open)
@@ -169,10 +170,10 @@ std::vector<ExtensionConstraint> find_extension_constraints(MPI_Comm comm, Basis
 
 void ExtensionConstraints::clear() { *this = ExtensionConstraints(); }
 
-// Ends a row, whose weights are the last of the list. If the same weights follow each other earlier in the list, the
-// row uses those, and its own are removed.
+// Ends a row, whose weights are the last of the list. If the same sequence occurs earlier in the list, the row uses
+// that, and its own weights are removed.
 void ExtensionConstraints::Rows::end_row() {
-  constexpr std::size_t kLast = 256;  // number of last weights to search; weights before these may be stored twice
+  constexpr std::size_t kLast = 256;  // number of recent weights to search; older ones may be stored twice
   const std::size_t length = node_.size() - first_[first_.size() - 1], old = weight_.size() - length;
   const double* const row = weight_.begin() + old;
   const double* const at = std::search(weight_.begin() + (old - std::min(old, kLast)), row, row, weight_.end());
@@ -259,7 +260,7 @@ void ExtensionConstraints::bind(const std::vector<ExtensionConstraint>& ties, co
   if (chained) bind_chain(ties, keys);
 }
 
-// Makes the chain. Does nothing if some node behind is not known or not on this rank.
+// Makes the chain unless some node behind is not known or not on this rank.
 void ExtensionConstraints::bind_chain(const std::vector<ExtensionConstraint>& ties, const std::vector<Key>& keys) {
   const int count = static_cast<int>(ties.size());
   std::vector<std::vector<std::pair<int, double>>> behind(ties.size());
@@ -267,7 +268,7 @@ void ExtensionConstraints::bind_chain(const std::vector<ExtensionConstraint>& ti
     for (const auto& b : ties[t].behind) behind[t].emplace_back(index_of(keys, b.first), b.second);
     if (behind[t].empty() || std::any_of(behind[t].begin(), behind[t].end(), [](const auto& b) { return b.first < 0; })) return;
   }
-  // Slaves whose nodes behind are free come first. There are no circles.
+  // Nodes whose nodes behind are free come first. There are no cycles.
   const std::vector<int> row = row_of_each(static_cast<int>(keys.size()));
   std::vector<int> depth(ties.size(), -1);
   const std::function<int(int)> find_depth = [&](int t) {
@@ -312,7 +313,7 @@ void ExtensionConstraints::append_with_weights(const ExtensionConstraints& other
   mass_receivers_.append_with_weights(other.mass_receivers_, first, end);
 }
 
-// Few ties change, so the rows between them are copied together.
+// Few constraints change, so the rows between them are copied together.
 bool ExtensionConstraints::exchange(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted,
                                     const std::vector<Key>& keys) {
   ExtensionConstraints fresh, next;
@@ -320,7 +321,7 @@ bool ExtensionConstraints::exchange(const std::vector<int>& nodes, const std::ve
   next.masters_.take_weights(masters_);
   next.mass_receivers_.take_weights(mass_receivers_);
   bool freed = false;
-  int t = 0, f = 0;  // next row of these ties, and next row of the fresh ones
+  int t = 0, f = 0;  // next row of *this, and next row of fresh
   const auto keep_until = [&](int end) {
     next.append_with_weights(*this, t, end);
     t = end;
@@ -362,7 +363,7 @@ std::vector<ExtensionConstraint> ExtensionConstraints::by_key(const std::vector<
 
 namespace {
 
-// Three numbers of a node, in two pieces. Reads use the pieces of earlier writes, so that the processor can forward them without waiting.
+// Three numbers of a node, read and written as a pair and a single number, so that store-to-load forwarding works.
 struct Three {
   static constexpr int kWidth = 3;
   using v2 = double __attribute__((vector_size(16)));

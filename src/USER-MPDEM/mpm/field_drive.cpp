@@ -177,7 +177,7 @@ void go_back_to_creation(PointStore& points) {
         }
       const Eigen::JacobiSVD<Eigen::Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
       const Eigen::Matrix3d R = svd.matrixU() * svd.matrixV().transpose();
-      if (!(R.determinant() > 0.0)) continue;  // a failed point that is inside out
+      if (!(R.determinant() > 0.0)) continue;  // an inverted failed point
       const Eigen::Quaterniond q =
           (Eigen::Quaterniond(R).conjugate() * Eigen::Quaterniond(p.q.w[l], p.q.x[l], p.q.y[l], p.q.z[l])).normalized();
       p.q.w[l] = q.w();

@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Grid to points: values and gradients of a nodal vector field at the eight points of a block. The nodes of a block are
-// columns of consecutive nodes (`column`, index of the first). The sums are contracted one direction at a time.
+// columns of consecutive nodes (`column`: index of the first). The sums are contracted one direction at a time.
 #ifndef MPDEM_MPM_GATHER_H
 #define MPDEM_MPM_GATHER_H
 
@@ -17,7 +17,7 @@ inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* colum
   using W = Weights<Type, Joined>;
   Mat3<vd> G;
   for (int c = 0; c < 3; ++c)
-    for (int d = 0; d < 3; ++d) G.a[c][d] = vd{};  // one by one: otherwise they lie in memory from the start
+    for (int d = 0; d < 3; ++d) G.a[c][d] = vd{};  // one by one: otherwise the compiler keeps them in memory from the start
   const auto add_plane = [&](int i) __attribute__((always_inline)) {
     vd A[3]{}, B[3]{}, C[3]{};
     for (int j = 0; j < W::kJ; ++j) {
@@ -42,7 +42,7 @@ inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* colum
       G.a[c][2] += s.w[0][i] * C[c];
     }
   };
-  // Blocks of cells in a row have six such functions. Unrolled loops of all of them would fill the instruction cache.
+  // Rows of cells need six more such functions. Unrolled loops in all of them would fill the instruction cache.
   if constexpr (Joined == kOneCell) {
 #pragma GCC unroll 4
     for (int i = 0; i < W::kI; ++i) add_plane(i);

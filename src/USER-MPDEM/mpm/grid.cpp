@@ -31,7 +31,7 @@ NodeKinematics Grid::kinematics() const {
 namespace {
 
 // Adds to each key its neighbours from `low` to `high` in direction d. Keys are ascending and unique, before and after.
-// Moved copies of all keys are still ascending, so they are merged and not sorted.
+// A shifted copy of all keys is still ascending, so the copies are merged and not sorted.
 void widen(std::vector<Key>& keys, int d, int low, int high) {
   const auto moved = [&](int by) {
     std::vector<Key> copy(keys);
@@ -64,7 +64,7 @@ bool Grid::find_columns(Field field, const int* base, int* column) const {
     for (int j = 0; j < S; ++j) {
       const int at[3] = {base[0] + i, base[1] + j, base[2]};
       column[S * i + j] = base_node(field, at);
-      // The column must be complete. Otherwise the node belongs to the margin alone.
+      // An incomplete column belongs to the margin alone.
       const Key last{field, at[0], at[1], at[2] + S - 1};
       const int end = column[S * i + j] + S - 1;
       if (column[S * i + j] < 0 || end >= size() || keys[end] != last) return false;
@@ -72,8 +72,8 @@ bool Grid::find_columns(Field field, const int* base, int* column) const {
   return true;
 }
 
-// Lays out the nodes and finds the columns of the cells. Returns the bytes that they take. If that is more than
-// most_bytes, no nodes are laid out.
+// Lays out the nodes and finds the columns of the cells. Returns the bytes that they take. If these exceed most_bytes,
+// no nodes are laid out.
 double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double most_bytes) {
   h = cell_size;
   std::vector<Key> unique;
@@ -86,7 +86,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
 
   const int S = support(basis), columns_of_cell = S * S;
   std::vector<Key> next = unique;
-  // Memory has two peaks: keys of neighbours while these are merged, and later all that is kept and carried of a node.
+  // Memory has two peaks: keys of neighbours while these are merged, and later all that is stored and sent of a node.
   constexpr double kBytesOfNode = 500.0;
   const double times = S + 2 * margin;
   double bytes = 0.0;
@@ -103,7 +103,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
   keys.swap(next);
   keys.shrink_to_fit();
 
-  // Cells ascend, and so do the first nodes of the nth column of all cells.
+  // Cells ascend, so for each n the first nodes of their nth columns ascend, too.
   std::vector<int> columns(columns_of_cell * unique.size()), walk(columns_of_cell, 0);
   for (std::size_t u = 0; u < unique.size(); ++u)
     for (int n = 0; n < columns_of_cell; ++n) {
@@ -119,7 +119,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
   for (const Cell& c : r.cells) {
     const int* of_cell = columns_at(c.key());
     const int more_i = reach_along(c.joined, 0), more_j = reach_along(c.joined, 1);
-    if (more_i + more_j == 0) {  // one cell, or a row along the columns, which then just get longer
+    if (more_i + more_j == 0) {  // one cell, or a row along the columns, which are then just longer
       std::copy(of_cell, of_cell + columns_of_cell, c.column);
       continue;
     }
@@ -139,7 +139,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
 
 namespace {
 
-// Node whose motion node k takes over.
+// Node from which node k inherits its motion.
 Key source_of(const Key& k, const GridRequest& r) {
   const auto other = r.source.find(k);
   return other != r.source.end() ? other->second : k;
@@ -147,8 +147,8 @@ Key source_of(const Key& k, const GridRequest& r) {
 
 }  // namespace
 
-// Sets the motion of the nodes from values of the wanted nodes, which ascend and include the sources of all nodes of
-// this grid. Clears mass, forces and ties.
+// Sets the motion of the nodes from the values of the wanted nodes, which ascend and include the sources of all nodes
+// of this grid. Clears mass, forces and constraints.
 void Grid::set_motion(GridRequest& r, const std::vector<Key>& wanted, const std::vector<double>& values, const std::vector<char>& found) {
   const std::size_t n = keys.size();
   velocity.resize(3 * n);
@@ -187,7 +187,7 @@ void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes,
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
   if (most > most_bytes) throw GridTooLarge(most);
 
-  // One exchange serves all grids. Keys of different bodies mix where there are parts, so they are sorted anew.
+  // One exchange serves all grids. Keys of bonds with several layers interleave, so they are sorted again.
   const int ranks = ranks_of(comm);
   constexpr int W = NodeKinematics::kWidth;
   if (ranks == 1) {
@@ -266,8 +266,8 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
 
 namespace {
 
-// Moves the values of nodes that went to other places in the same order, `width` numbers a node. New nodes get the
-// value `fresh`. Consecutive nodes move together, the last ones first.
+// Moves the values of nodes to their new indices, which keep the order, `width` numbers a node. New nodes get the value
+// `fresh`. Consecutive nodes move together, the last ones first, since new indices are never smaller.
 void spread(std::vector<double>& values, int width, const std::vector<int>& new_index, std::size_t size, double fresh) {
   if (values.empty()) return;
   values.resize(width * size, fresh);
@@ -377,11 +377,11 @@ std::vector<double> Grid::mass_here(const PointStore& points, double density, bo
 
 void Grid::lump_mass(const PointStore& points, double density) {
   std::vector<double> mass = mass_here(points, density);
-  // A given volume is no less than the volume of the points that have stiffness. So the bound of the eigenvalue holds.
+  // A given volume is no less than the volume of the intact points. So the bound of the eigenvalue remains valid.
   for (std::size_t i = 0; i < given_volume.size(); ++i)
     if (given_volume[i] >= 0.0) mass[i] = halo.counts_here()[i] ? density * given_volume[i] : 0.0;
-  // The bound of the eigenvalue holds for each node of the untied grid. Its kinetic energy satisfies (sum w v)^2 <=
-  // (sum |w|) (sum |w| v^2), with sums over the masters.
+  // The bound of the eigenvalue holds at each node of the unconstrained grid. The kinetic energy of a constrained node
+  // satisfies (sum w v)^2 <= (sum |w|) (sum |w| v^2), with sums over its masters.
   tie_factor_.clear();
   largest_tie_factor_ = 1.0;
   if (any_ties_) {
@@ -391,8 +391,9 @@ void Grid::lump_mass(const PointStore& points, double density) {
   }
   ties.add_to_mass_receivers(mass.data(), 1);
   halo.sum(mass.data(), 1);
-  // If points end just at the support of a node, rounding leaves a tiny mass there. No time step is short enough for
-  // that mass, and the force is of the order of its root. The mass is set to zero, and a node without inertia does not accelerate.
+  // If points end just at the support of a node, rounding leaves a tiny mass there. No time step is stable for that
+  // mass, and the force is of the order of its root. The mass is set to zero: a node without inertia does not
+  // accelerate.
   constexpr double kRounding = 1e-24;
   for (double& m : mass)
     if (m < kRounding * density * h * h * h) m = 0.0;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Background grid of one body in the reference configuration. It has the nodes that points or links of this rank
-// touch, and no others. It is anchored at the origin of the body, so the space between distant bonds costs nothing,
-// and a bond is meshed alike wherever it lies. Nodes are ordered by field (body and part), i, j and k. The nodes of a
-// cell with consecutive k are neighbours in memory and make a column.
+// Background grid of one bond in the reference configuration. It has only the nodes that points or links of this rank
+// touch. It is anchored at the origin of the bond, so the space between distant bonds costs nothing, and a bond is
+// meshed alike wherever it lies. Nodes are ordered by field (bond and layer), i, j and k. The nodes of a cell with
+// consecutive k are neighbours in memory and form a column.
 //
-// After step n the nodes have the state of the leap-frog scheme: displacement u_n, velocity v_n-1/2, acceleration
-// a_n. With `updated` kinematics the reference is new in every step: displacements are zero, and mass and momentum
-// come from the points each time.
+// After step n the nodes have the state of the leap-frog scheme: displacement u_n, velocity v_n-1/2, acceleration a_n.
+// With `updated` kinematics the reference is new in every step: displacements are zero, and mass and momentum come from
+// the points each time. Vector fields have three numbers a node.
 #ifndef MPDEM_MPM_GRID_H
 #define MPDEM_MPM_GRID_H
 
@@ -33,7 +33,7 @@ struct NodeKinematics {
   static constexpr int kWidth = 9;
 };
 
-// Thrown if the grids of some rank are too large. bytes: what that rank needs at least.
+// Thrown if the grids of some rank are too large. bytes: the least that this rank needs.
 struct GridTooLarge : std::length_error {
   explicit GridTooLarge(double bytes) : std::length_error("grid too large"), bytes(bytes) {}
   double bytes;
@@ -49,16 +49,16 @@ class Grid {
   std::vector<double> momentum;        // of the points, `updated` kinematics only
   std::vector<double> inertial_force;  // (M_L - M) a, see consistent_mass.h; empty with the lumped mass alone
   ExtensionConstraints ties;
-  // Volume of a node that replaces the volume of its points, -1 where the points count. Empty if the points count at
+  // Volume of a node that replaces the volume of its points; -1 where the points count. Empty if the points count at
   // all nodes. See fracture/phantom_nodes.h.
   std::vector<double> given_volume;
-  // Nodes of the blocks that have no columns of their own, in the order of for_each_node(). See BlockMeta::borrowed.
+  // Nodes of the blocks without columns, in the order of for_each_node(). See BlockMeta::aliases.
   std::vector<int> aliases;
   // Nodal values whose interpolation is the average of the root of the norm of strain, see drive_average.h. Empty while
-  // nothing is averaged, and after the nodes or ties change.
+  // nothing is averaged, and after nodes or constraints change.
   std::vector<double> drive_average;
   // Limits for the points of each block: while no square_bound() of the law exceeds its limit, no average reaches the
-  // threshold. Empty if limits are not known, and after the nodes or ties change. See DriveAverage::find_limits().
+  // threshold. Empty if limits are not known, and after nodes or constraints change. See DriveAverage::find_limits().
   std::vector<vd> drive_limit;
 
   int size() const { return static_cast<int>(keys.size()); }
@@ -67,7 +67,7 @@ class Grid {
   struct Cell {
     Cell(Field field, const int* base, int* column, int joined = kOneCell)
         : field(field), base{base[0], base[1], base[2]}, column(column), joined(joined) {}
-    Field field;  // field_of(body, part)
+    Field field;  // field_of(row, layer)
     int base[3];
     int* column;
     int joined;  // code of a row of cells with one block, see basis.h; `column` then receives the columns of the whole row
@@ -79,37 +79,39 @@ class Grid {
     }
   };
 
-  // Collective. Lays out the nodes of `cells`, takes over the motion of the nodes that any rank had before, and finds
-  // the ranks to share them with. A node that no rank had before starts at rest, and `fresh` is set for it. margin: number of cells around the wanted ones that get
-  // nodes, too. extra: nodes that belong to no cell.
+  // Collective. Lays out the nodes of `cells`, sets the motion of nodes that any rank had before, and finds the ranks
+  // that share nodes. A node that no rank had before starts at rest, and `fresh` is set for it. margin: width of the
+  // rim of cells around the wanted ones that gets nodes, too, in cells. extra: nodes that belong to no cell.
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored, std::vector<char>& fresh,
              int margin = 0, const std::vector<Key>& extra = {});
 
-  // Finds the columns of a cell after build(). Returns false if the cell has no nodes on this rank. base_node() finds only the first node, or -1.
+  // Finds the columns of a cell after build(). Returns false if the cell has no nodes on this rank. base_node() returns
+  // its first node, or -1.
   bool find_columns(Field field, const int* base, int* column) const;
   int base_node(Field field, const int* base) const;
   int node_at(const Key& k) const;
   // True if the cell with this first node is at least one cell away from the end of the margin.
   bool well_inside(int base_node) const { return inside_[base_node]; }
 
-  // Adds nodes at rest (ascending, none of them there yet) and returns where each of the old nodes went. No other rank may share the grid.
+  // Adds new nodes (ascending) at rest and returns the new index of each old node. No other rank may share the grid.
   std::vector<int> add_nodes(const std::vector<Key>& more);
-  // Gives each node (first key) the motion that another node (second key) has at the call. Pairs with a node that is not here are left out.
+  // Gives each node (first key) the motion of another (second key) at the call. Leaves out pairs with an absent node.
   void take_over_motion(const std::map<Key, Key>& source);
   // Finds the columns of a block. Throws std::logic_error if the grid does not have its nodes.
   void find_columns(BlockMeta& m) const;
-  // Replaces the ties of these nodes (ascending). Returns true if a node is no longer tied as an edge in the same way.
-  // Call lump_mass() then. No other rank may share the grid.
+  // Replaces the constraints of these nodes (ascending). Returns true if a node that was constrained at the edge is now
+  // free or constrained in another way. Call lump_mass() then. No other rank may share the grid.
   bool tie_anew(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted);
 
-  // Ties nodes of this rank until the next build(). Must be called before lump_mass(). any: true if some rank that
-  // shares the grid has ties. chained: see ExtensionConstraints; false if tie_anew() is to give what tie() would.
+  // Constrains nodes of this rank until the next build(). Must be called before lump_mass(). any: true if some rank
+  // that shares the grid has constraints. chained: see ExtensionConstraints; false if tie_anew() is to give the same
+  // result as tie().
   void tie(const std::vector<ExtensionConstraint>& wanted, bool any, bool chained = true);
 
   // Finds the lumped mass from the points, whose density is uniform, or from given_volume where that is set. The mass
-  // of tied nodes goes to their heirs. Collective among the ranks that share nodes.
+  // of constrained nodes goes to their mass receivers. Collective among the ranks that share nodes.
   void lump_mass(const PointStore& points, double density);
-  // Lumped mass of the points of this rank alone, before ties. holding: without points that failed.
+  // Lumped mass of the points of this rank alone, without constraints. holding: only of intact points.
   std::vector<double> mass_here(const PointStore& points, double density, bool holding = false) const;
 
   void clear_force();
@@ -118,8 +120,8 @@ class Grid {
     halo.sum(force.data(), 3);
   }
 
-  // Ties raise a bound of the largest eigenvalue by a factor. tie_factor() is that of a node, largest_tie_factor() is
-  // the largest of the nodes of this rank.
+  // Constraints raise a bound of the largest eigenvalue by a factor. tie_factor() is that of a node,
+  // largest_tie_factor() is the largest of the nodes of this rank.
   double tie_factor(int node) const {
     return tie_factor_.empty() || ties.row(node) >= 0 ? 1.0 : tie_factor_[node - ties.rows_before(node)];
   }
@@ -128,12 +130,12 @@ class Grid {
   // Sets a = f / (m + added mass) for each node. There is no added mass if the list is empty. Accelerations overwrite
   // the forces in their array, so that a step passes over one array and not over two.
   void update_acceleration(const SharedList<double>& added_mass = {});
-  // Does the work of update_acceleration() in two parts. accelerate() divides the forces of the nodes [first, end),
-  // which must have no added mass and no tie. All free nodes must be divided before take_accelerations(), which extends
-  // them to tied nodes.
+  // update_acceleration() in two steps. accelerate() divides the forces of the nodes [first, end), which must have no
+  // added mass and no constraint. All free nodes must be divided before take_accelerations(), which extends them to
+  // constrained nodes.
   void accelerate(int first, int end);
   void take_accelerations();
-  // Starts the forces of a step in the array of the accelerations, which are lost.
+  // Starts the forces of a step in the array of the accelerations, which are overwritten.
   void begin_forces() {
     force.swap(acceleration);
     clear_force();
@@ -145,7 +147,7 @@ class Grid {
   bool stands_still() const;  // is each velocity zero?
 
   NodeKinematics kinematics() const;
-  // Shares lists with other grids that have equal ones.
+  // Shares lists with other grids that have equal ones, to save memory.
   void share(AlikeLists& alike);
   std::size_t memory_usage() const;
 
@@ -160,24 +162,24 @@ class Grid {
   double lay_out(const GridRequest& r, double cell_size, int margin, double most_bytes);
   void set_motion(GridRequest& r, const std::vector<Key>& wanted, const std::vector<double>& values, const std::vector<char>& found);
 
-  bool any_ties_ = false;           // true if any rank that shares the grid has ties
-  std::vector<double> tie_factor_;  // factor of the bound for each free node; empty without ties
+  bool any_ties_ = false;           // true if any rank that shares the grid has constraints
+  std::vector<double> tie_factor_;  // factor of the bound for each free node; empty without constraints
   double largest_tie_factor_ = 1.0;
   std::vector<char> inside_;  // for first nodes of cells: well_inside(); empty without a margin
 };
 
-// The arguments of build() for one of many grids.
+// Arguments of build() for one of many grids.
 struct GridRequest {
   Grid* grid = nullptr;
   std::vector<Grid::Cell> cells;
-  NodeKinematics before;      // motion of the body that this rank knows; may be that of all ranks
-  std::map<Key, Key> source;  // for each node that takes over the motion of another node, that node
+  NodeKinematics before;      // motion of the bond that this rank knows; may be that of all ranks
+  std::map<Key, Key> source;  // for each node that inherits the motion of another node, that node
   std::vector<Key> extra;
   std::vector<char> fresh;  // result: 1 for nodes that no rank had before
 };
 
-// Builds grids of different bodies, given in ascending order. Collective. Throws GridTooLarge on all ranks if the grids
-// of some rank would take more than most_bytes. All ranks must pass the same most_bytes.
+// Builds the grids of different bonds, given in ascending order. Collective. Throws GridTooLarge on all ranks if the
+// grids of some rank would take more than most_bytes. All ranks must pass the same most_bytes.
 void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes, std::vector<GridRequest>& requests);
 
 }  // namespace mpdem

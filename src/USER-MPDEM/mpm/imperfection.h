@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A bond between equal grains is its own mirror image. Damage begins at both grains alike, and which of them lets go is
-// a bifurcation. Left to rounding errors it comes late, at a force beyond that at which one side alone would let go, and
-// the force depends on the number of steps. So a small imperfection decides, as is usual for bifurcations: the cement
-// nearer to one grain is stronger by some share.
+// A bond between equal grains is symmetric. Damage begins at both grains alike, and which of them debonds is a
+// bifurcation. If only rounding errors decide, it comes late, at a force beyond that at which one end alone would
+// debond, and the force depends on the number of steps. So a small imperfection decides, as is usual for bifurcations:
+// the cement nearer to one grain is stronger by some share.
 #ifndef MPDEM_MPM_IMPERFECTION_H
 #define MPDEM_MPM_IMPERFECTION_H
 
@@ -15,16 +15,16 @@
 
 namespace mpdem {
 
-// The grain (0 or 1) whose side is the stronger one. It is the smaller grain, since between unequal grains it is the
-// larger one that lets go anyway. Of equal grains it is the one ahead along the axis of the box that is nearest to the
-// line of centres. So the result does not depend on the order of the grains.
+// The grain (0 or 1) whose half of the bond is the stronger one. It is the smaller grain, since of unequal grains the
+// larger one debonds anyway. Of equal grains it is the one ahead along the axis of the box that is nearest to the line
+// of centres. So the result does not depend on the order of the grains.
 inline int stronger_side(const BondRecord& record) {
   const double larger = record.radius[0] - record.radius[1];
   if (std::fabs(larger) > rounding_of_positions(record)) return larger > 0.0;
   return 1 - side_behind(record);
 }
 
-// Lanes of the points that were made at X on the stronger side. The middle belongs to the weaker one.
+// Lanes of the points that were created at X in the stronger half. The middle belongs to the weaker one.
 inline vmask on_stronger_side(const BondRecord& record, const vd* X) {
   vd above[2];
   for (int side = 0; side < 2; ++side) {
@@ -36,12 +36,12 @@ inline vmask on_stronger_side(const BondRecord& record, const vd* X) {
   return above[1 - strong] - above[strong] > rounding_of_positions(record);
 }
 
-// Imperfection of a bond. `share`: by how much more strain the stronger side bears. 0: both sides are alike.
+// Imperfection of a bond. `share`: by how much more strain the stronger half carries. 0: both halves are alike.
 struct Imperfection {
   const BondRecord* record = nullptr;
   double share = 0.0;
 
-  // Factor on the root of the norm of strain of points made at X, as it counts for damage.
+  // Factor on the root of the norm of strain of points created at X, as it counts for damage.
   vd of_root(const vd* X) const {
     if (share == 0.0) return splat(1.0);
     return select(on_stronger_side(*record, X), splat(1.0 / std::sqrt(1.0 + share)), splat(1.0));

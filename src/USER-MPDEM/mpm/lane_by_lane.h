@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// gather_value and scatter_value (gather.h, scatter.h) for eight points that need not be in one cell: each lane has its
-// own columns. The vectors run along a column, whose 3 kSupport doubles are consecutive, and not across the points. If
-// cells have few points, this is less work for a point than blocks of one cell with empty lanes. Neighbouring lanes of
-// one cell read the nodes once, and are summed before they are added to the nodes.
+// gather_value and scatter_value (gather.h, scatter.h) for eight points that may be in different cells: each lane has
+// its own columns. The vectors run along a column, whose 3 kSupport doubles are consecutive, and not across the points.
+// If cells have few points, this is less work for a point than blocks of one cell with empty lanes. Neighbouring lanes
+// of one cell read the nodes once, and are summed before they are added to the nodes.
 #ifndef MPDEM_MPM_LANE_BY_LANE_H
 #define MPDEM_MPM_LANE_BY_LANE_H
 
@@ -51,7 +51,7 @@ inline void column_weights(const Weights<Type>& s, vd* w) {
     for (int j = 0; j < Type::kSupport; ++j) w[Type::kSupport * i + j] = s.w[0][i] * s.w[1][j];
 }
 
-// Lane k of the result l is lane l of the input k.
+// Lane k of output l is lane l of input k.
 inline void transpose_8(const vd* a, vd* out) {
   vd s[8], t[8];
   for (int p = 0; p < 8; p += 2) {
@@ -135,7 +135,8 @@ inline void for_each_cell(std::uint8_t which, const int* column, F f) {
 
 }  // namespace detail
 
-// out[c] = sum_I nodal_Ic N_I for the lanes in the bits of `which`, zero in the others. column: kSupport^2 for each lane.
+// out[c] = sum_I nodal_Ic N_I for the lanes with a bit in `which`, zero in the others. column: kSupport^2 for each
+// lane.
 template <class Type>
 inline void gather_value_by_lane(const double* __restrict nodal, std::uint8_t which, const int* column, const Weights<Type>& s, vd* out) {
   constexpr int S = Type::kSupport;
@@ -160,7 +161,7 @@ inline void gather_value_by_lane(const double* __restrict nodal, std::uint8_t wh
   }
 }
 
-// nodal_Ic += sum of T[c] N_I over the lanes in the bits of `which`.
+// nodal_Ic += sum of T[c] N_I over the lanes whose bits are set in `which`.
 template <class Type>
 inline void scatter_value_by_lane(double* __restrict nodal, std::uint8_t which, const int* column, const Weights<Type>& s, const vd* T) {
   constexpr int S = Type::kSupport;

@@ -33,10 +33,10 @@ double scrambled(const Key& k, int c) {
 }
 
 // Nodes of one bond that can move, ascending: all nodes, or those of the blocks that count and the masters of these.
-// `slaves` are the tied nodes of the blocks that count. It is empty if all blocks count.
+// `slaves` are the constrained nodes of the blocks that count. It is empty if all blocks count.
 struct Moving {
   struct Slave {
-    int node, row;  // row of its tie
+    int node, row;  // row of its constraint
   };
   std::vector<int> nodes;
   std::vector<Slave> slaves;
@@ -92,7 +92,7 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
   std::vector<std::size_t> first(systems.size() + 1, 0);
   std::vector<const HaloSum*> halos;
   std::vector<Moving> moving;
-  std::vector<int> nodes;  // nodes that move, of all bonds
+  std::vector<int> nodes;  // moving nodes of all bonds
   for (std::size_t p = 0; p < systems.size(); ++p) {
     first[p + 1] = first[p] + static_cast<std::size_t>(systems[p].grid->size());
     halos.push_back(&systems[p].grid->halo);

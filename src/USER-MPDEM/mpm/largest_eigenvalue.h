@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Largest eigenvalue of M^-1 K of the cement on its grid. K is the secant stiffness in the present state, M the
-// lumped mass. The central difference is stable up to dt = 2/sqrt(lambda).
+// Largest eigenvalue of M^-1 K of the cement on its grid. K is the secant stiffness in the present state, M the lumped
+// mass. The central difference scheme is stable up to dt = 2/sqrt(lambda).
 //
 // The eigenvalue is found by Lanczos iteration in the inner product of M (Golub & Van Loan, Matrix Computations, ch.
-// 10). This is power iteration that uses all earlier products. The operator is never formed: one product is one
-// gather and one scatter over the points.
+// 10), which converges faster than power iteration because it uses all earlier products. K is never formed: one product
+// is one gather and one scatter over the points.
 #ifndef MPDEM_MPM_LARGEST_EIGENVALUE_H
 #define MPDEM_MPM_LARGEST_EIGENVALUE_H
 
@@ -24,8 +24,8 @@ struct EigenvalueEstimate {
   double value;     // 1/time^2
   double residual;  // there is an eigenvalue within this distance of value
   int products;     // number of products with the operator
-  // Value and tolerance, or value and residual where the iteration did not end. The residual hangs on the vector with
-  // which the iteration begins, and so on the order of the axes. The value hangs on it by the square of the residual.
+  // Value plus tolerance, or value plus residual where the iteration did not converge. The residual depends on the
+  // start vector, and so on the order of the axes. The value depends on it only by the square of the residual.
   double most;
 };
 
@@ -33,11 +33,11 @@ struct EigenvalueEstimate {
 struct EigenvalueSystem {
   const PointStore* points;
   const Grid* grid;
-  bool failed_hold = false;                  // points that failed count as undamaged: they may be stiff again, see closing_points.h
+  bool failed_hold = false;                  // failed points count as undamaged: they may be stiff again, see closing_points.h
   const std::vector<int>* blocks = nullptr;  // blocks whose points count; null: all
 };
 
-// Tolerances: for a check, and for an eigenvalue on which the answer depends.
+// Relative tolerances: for a check, and for an eigenvalue on which the result of a run depends.
 constexpr double kEigenvalueTolerance = 1e-3, kPreciseEigenvalue = 1e-7;
 
 // Finds the largest eigenvalue of all bonds together, given in ascending order. Collective. The iteration stops when
@@ -49,9 +49,10 @@ inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& po
   return largest_eigenvalue(comm, {{&points, &grid}}, law, tolerance);
 }
 
-// Upper bound of the largest eigenvalue for any places of the points, or 0 if the basis has none. With row-sum lumping
-// the largest eigenvalue is at most that of a single point (Fried 1972). The eigenvalue of a single point is at most
-// the maximum over t of sum_I (dN_I/dt)^2 / N_I, times the largest stiffness over density h^2. The maximum is kSteepest of the basis.
+// Upper bound of the largest eigenvalue for any positions of the points, or 0 if the basis has none. With row-sum
+// lumping the largest eigenvalue is at most that of a single point (Fried 1972). The eigenvalue of a single point is at
+// most the maximum over t of sum_I (dN_I/dt)^2 / N_I, times the largest stiffness over density h^2. The maximum is
+// kSteepest of the basis.
 double eigenvalue_bound(Basis basis, double largest_stiffness, double density, double h);
 
 }  // namespace mpdem

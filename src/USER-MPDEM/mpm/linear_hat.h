@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Tent functions on a uniform grid: two nodes a direction, base = floor(X/h). Their gradient jumps between cells, so
-// forces jump where points cross cells. A node at the rim of the cement can have next to no mass and take full force
-// (Sulsky, Chen & Schreyer, Comput. Methods Appl. Mech. Engng 118 (1994) 179).
+// Linear hat functions on a uniform grid: two nodes a direction, base = floor(X/h). Their gradient jumps between cells,
+// so forces jump where points cross cells. A node at the edge of the cement can have almost no mass and receive full
+// force (Sulsky, Chen & Schreyer, Comput. Methods Appl. Mech. Engng 118 (1994) 179).
 #ifndef MPDEM_MPM_LINEAR_HAT_H
 #define MPDEM_MPM_LINEAR_HAT_H
 

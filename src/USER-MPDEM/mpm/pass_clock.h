@@ -2,7 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Splits the time of a pass over the points into gather, material and scatter. These are fused, block by block. So one
-// block in 64 is timed, and the time of the whole pass is split in the proportion found. Ticks have no unit of their own.
+// block in 64 is timed, and the time of the whole pass is split in the proportion found. Ticks have no unit of their
+// own.
 #ifndef MPDEM_MPM_PASS_CLOCK_H
 #define MPDEM_MPM_PASS_CLOCK_H
 
@@ -13,7 +14,7 @@ namespace mpdem {
 
 struct PassTicks {
   std::uint64_t gather = 0, material = 0, scatter = 0;
-  unsigned blocks = 0;  // the count runs on from bond to bond, so the timed block is not always the first of a bond
+  unsigned blocks = 0;  // counts on from bond to bond, so that the timed block is not always the first of a bond
 };
 
 class PassClock {
@@ -34,7 +35,7 @@ class PassClock {
     if (timed_) lap(ticks_.scatter);
   }
 
-  // Work for many blocks at once is timed each time it is done. Its ticks are divided by kEvery, since other blocks are timed only once in kEvery.
+  // Work for many blocks is always timed. Its ticks are divided by kEvery, since other blocks are timed once in kEvery.
   void start_settling() { last_ = now(); }
   void settled() { lap(ticks_.material, kEvery); }
   void settled_scattered() { lap(ticks_.scatter, kEvery); }

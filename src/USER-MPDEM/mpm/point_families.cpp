@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Moves points of a store to other parts in place, see PointStore::arrange().
+// Moves points of a store to other layers without a new arrangement, see PointStore::arrange().
 #include <algorithm>
 #include <numeric>
 
@@ -87,7 +87,7 @@ std::map<int, PointStore::Family> PointStore::families_that_divide(const std::ma
   return families;
 }
 
-// Copies these blocks, without links and places.
+// Copies these blocks, without links and contact points.
 PointStore PointStore::some(const std::vector<int>& which) const {
   PointStore s;
   s.reserve_like(*this, which.size());
@@ -106,8 +106,8 @@ void PointStore::append_copy(const PointStore& from, int b) {
   if (!from.state_.empty()) state_.insert(state_.end(), from.state(b), from.state(b) + state_fields_);
 }
 
-// Fills block b with the points of its part and empties its other lanes. b is a home with its old points, or a new
-// copy. `from` has the old blocks, where old block n is block place[n].
+// Fills block b with the points of its layer and empties its other lanes. b is a home with its old points, or a new
+// copy. `from` has the old blocks: old block n is block new_index[n] of it.
 void PointStore::fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& new_index,
                             std::vector<int>& new_slot, double cell, Basis basis) {
   for (int l = 0; l < kLanes; ++l) {
@@ -132,7 +132,7 @@ void PointStore::find_damaged(int b) {
 PointStore::LayerMove PointStore::move_to_layers(const std::map<int, int>& layer_of_slot, double cell, Basis basis) {
   LayerMove done;
   const std::map<int, Family> families = families_that_divide(layer_of_slot);
-  // Blocks from which lanes are taken.
+  // Blocks from which points are taken.
   std::vector<int> sources;
   for (const auto& f : families) sources.push_back(f.first);
   for (int b = homes_; b < static_cast<int>(blocks.size()); ++b) sources.push_back(b);

@@ -13,7 +13,7 @@ std::string trouble_of(const PointRecord& p, const std::vector<BondRecord>& reco
   if (!found.check_whole("its bond", p.row, from(0.0, static_cast<double>(records.size()) - 1.0))) return found.trouble();
   const BondRecord& of = records[p.row];
   if (of.pattern > 0) return "its bond has no points yet";
-  const double reach = 1e8 * of.spacing;  // cells are numbered by int
+  const double reach = 1e8 * of.spacing;  // cell indices are int
   for (int d = 0; d < 3; ++d) {
     const Range near = from(of.lattice[d] - reach, of.lattice[d] + reach);
     found.check("its place", p.X[d], near);

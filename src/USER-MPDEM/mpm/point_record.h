@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A material point with its links, in the form in which it goes to other ranks, into restart files, and from its
-// creation into a store. PointStore (point_store.h) keeps the same values in blocks.
+// A material point with its links, in the form in which it is sent to other ranks, written to restart files, and added
+// to a store. PointStore (point_store.h) keeps the same values in blocks. Lengths are in the axes of the bond, from its
+// origin.
 #ifndef MPDEM_MPM_POINT_RECORD_H
 #define MPDEM_MPM_POINT_RECORD_H
 
@@ -21,15 +22,15 @@ constexpr int kMostStateFields = Law::kMostFields;
 // Numbers that a traction law may keep for a link, see coupling/traction_law.h.
 constexpr int kMostLinkFields = 1;
 
-// The bond of a point to a grain. The foot point lies on the surface of the grain as it was when the body was
-// created. The reference place of the cement there is foot + moved.
+// Link of a point to a grain. The foot point lies on the surface of the grain as it was when the bond was created. The
+// reference position of the cement there is foot + moved.
 struct Link {
   int slot = -1;  // slot of its point in a store
   int grain = 0;  // tag
   double foot[3] = {0, 0, 0};
   double area = 0;        // of the grain's surface
-  bool attached = false;  // the link has not let go
-  bool inert = false;     // the link has let go, but its added mass still counts, see coupling/penalty_links.h
+  bool attached = false;  // the link has not failed
+  bool inert = false;     // the link has failed, but its added mass still counts, see coupling/penalty_links.h
   double moved[3] = {0, 0, 0};
   double state[kMostLinkFields] = {0};  // state of its traction law
 
@@ -46,15 +47,15 @@ struct Link {
   }
 };
 
-// A place on the surface of a grain that let go of the cement, together with the material that it may touch. A point
-// follows at most one place of each grain, see coupling/debonded_contact.h.
+// A point of the debonded surface of a grain, together with the material that it may touch. A material point has at
+// most one contact point for each grain, see coupling/debonded_contact.h.
 struct ContactPoint {
-  int slot = -1;                // slot of the point that it follows, in a store
+  int slot = -1;                // slot of its material point in a store
   int grain = 0;                // tag
   double area = 0;              // of the grain's surface
-  double X[3] = {0, 0, 0};      // place where the material is touched, reference coordinates
+  double X[3] = {0, 0, 0};      // where the material is touched, reference coordinates
   double radius = 0;            // distance from the centre of the grain at which it touches
-  double stick[3] = {0, 0, 0};  // place at which friction has no force, in the frame of the grain
+  double stick[3] = {0, 0, 0};  // position at which friction has no force, in the frame of the grain
   double slides = 0;            // traction of friction in the last step
   double inert_area = 0;        // area whose stiffness has added mass
   bool closed = false;          // touched in the last step
@@ -73,7 +74,7 @@ struct ContactPoint {
   }
 };
 
-// Bits of the grains that a point holds to: bit 0 for the first grain of its bond, bit 1 for the second.
+// Bits of the grains to which a point is connected: bit 0 for the first grain of its bond, bit 1 for the second.
 constexpr int kConnectedToBoth = 3;
 
 struct PointRecord {
@@ -81,16 +82,16 @@ struct PointRecord {
   int row = 0, layer = 0;
   bool failed = false;
   bool split_checked = false;        // the nodes were split for it, see fracture/phantom_nodes.h
-  int connected = kConnectedToBoth;  // bits of the grains it holds to, see BlockMeta
-  bool film = false;                 // a column of a film with a link to either grain, see coupling/film.h
+  int connected = kConnectedToBoth;  // bits of the grains to which it is connected, see BlockMeta
+  bool film = false;                 // one point across the gap, with a link to each grain, see coupling/film.h
   bool has_frame = false;            // q was given; otherwise the fix sets it from its axis rule
   double X[3] = {0, 0, 0};
   double volume = 0;
   double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   double q[4] = {1, 0, 0, 0};
   double strain[6] = {0, 0, 0, 0, 0, 0};
-  // State of a law of damage (material/law.h), and the number of that law (law_number() of material/laws.h). Number 0
-  // means that no law has taken up the state yet. It is then the damage tensor that a file gave.
+  // State of a law of damage (material/law.h), and the number of that law (law_number() of material/laws.h). Number 0:
+  // no law has read the state yet, which is then the damage tensor that a file gave.
   double damage[kMostStateFields] = {0, 0, 0, 0, 0, 0};
   int law = 0;
   bool moving = false;  // X0, v and C are set
@@ -101,7 +102,7 @@ struct PointRecord {
   ContactPoint contact[kMaxLinks];
   bool fragment = false;       // failed, and too distorted to have a crack that closes, see mpm/closing_points.h
   bool has_slip = false;       // slip is set
-  double slip[3] = {0, 0, 0};  // failed, and its crack closed after this slip over its width, with friction, see mpm/closing_points.h
+  double slip[3] = {0, 0, 0};  // slip of its closed crack, over the width of the crack, see mpm/closing_points.h
 
   // See parallel/record.h.
   template <class Self, class Visitor>
@@ -136,8 +137,8 @@ struct PointRecord {
   }
 };
 
-// Text of what is wrong with a point from a file that belongs to one of these bodies, or an empty string. The numbers
-// of the point must be in their ranges.
+// Text of what is wrong with a point from a file that belongs to one of these bonds, or an empty string. The numbers of
+// the point must be in their ranges.
 std::string trouble_of(const PointRecord& point, const std::vector<BondRecord>& records);
 
 }  // namespace mpdem

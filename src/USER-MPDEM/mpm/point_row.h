@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The text form of a point: a row of the file that write_cement writes and create_cement ... file reads. The columns
-// and their order are documented in doc/write_cement.md and doc/create_cement.md. A row gives the present place of the point in the box.
+// Text form of a point: a row of the file that write_cement writes and `create_cement ... file` reads. The columns and
+// their order are documented in doc/write_cement.md and doc/create_cement.md. Positions are present ones in the box.
 #ifndef MPDEM_MPM_POINT_ROW_H
 #define MPDEM_MPM_POINT_ROW_H
 
@@ -30,7 +30,7 @@ struct PointRow {
   double axis[3] = {0, 0, 0};
   double damage[6] = {0, 0, 0, 0, 0, 0};
   bool failed = false;
-  bool has_link_damage = false;  // not a column: all rows have it, or none has; with it a failed point may be a skin on a grain
+  bool has_link_damage = false;  // not a column: all rows have it, or none has; with it a failed point may be residue on a grain
   Side side[2];
 
   template <class Self, class Visitor>

@@ -14,7 +14,7 @@ namespace mpdem {
 
 namespace {
 
-// Largest damage of a point from a tensor that no law has taken up yet.
+// Largest damage of a point from a tensor that no law has read yet.
 double largest_of(const double* D) {
   Sym3<vd> tensor;
   double* of = reinterpret_cast<double*>(&tensor);
@@ -25,7 +25,7 @@ double largest_of(const double* D) {
 
 std::string name_of_law(int number) { return law_entries()[number - 1].name; }
 
-// Takes up the damage tensor that a file gave for a point. Returns what is wrong, or an empty string.
+// Converts the damage tensor that a file gave for a point. Returns what is wrong, or an empty string.
 std::string take_up_tensor(PointStore& points, int slot, const Law& law) {
   const bool failed = points.has_failed(slot);
   double D[kMostStateFields] = {}, state[kMostStateFields] = {};

@@ -33,7 +33,7 @@ template <class L>
 vd softening_of(const PointStore& points, int b, const L& law) {
   return points.softening.empty() ? splat(law.softening()) : points.softening[b];
 }
-// Finds the softening of all points between the grains of this body. The store must know its law.
+// Finds the softening of all points of the bond with this record. The store must know its law.
 void find_softening(PointStore& points, const BondRecord& record);
 
 // Stress of a block in its present state, zero in failed lanes.
@@ -54,7 +54,7 @@ vd largest_damage_of(const PointStore& points, int b, const L& law) {
 // Largest damage of each point, from 0 to 1, for all blocks. The store must know its law.
 std::vector<vd> largest_damages(const PointStore& points);
 
-// Principal values of the damage of a point, in falling order, and the normal of its crack in the axes of its body. The
+// Principal values of the damage of a point, in falling order, and the normal of its crack in the axes of its bond. The
 // sign of the normal is that of without_sign(). The store must know its law.
 struct CrackOfPoint {
   double damage[3], normal[3];
@@ -72,9 +72,9 @@ CracksOfBlock cracks_of(const PointStore& points, int block);
 // a law that the store does not know.
 std::array<double, 6> damage_tensor_of(const PointStore& points, int slot);
 
-// Converts the states that points came with to states of the law, and sets the law of the store. A state without the
-// number of a law is the damage tensor that a file gave. Returns an empty string, or a text that begins with "material
-// point" if the law cannot go on from a state.
+// Converts the states with which points arrived to states of the law, and sets the law of the store. A state without
+// the number of a law is the damage tensor that a file gave. Returns an empty string, or a text that begins with
+// "material point" if the law cannot start from a state.
 std::string read_point_states(PointStore& points, const std::shared_ptr<const Law>& law);
 
 }  // namespace mpdem

@@ -88,7 +88,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   if (r.has_frame) m.framed |= bit;
   if (r.links > 0) m.linked |= bit;
   for (double v : r.damage) m.damaged |= v != 0.0;
-  m.damaged |= r.failed;  // failed points may come from a file without damage
+  m.damaged |= r.failed;  // a file may give failed points without damage
   tags[b][l] = tag;
 }
 
@@ -123,7 +123,7 @@ void PointStore::set_state(int slot, const double* numbers) {
 }
 
 int PointStore::add(const PointRecord& r, int tag) {
-  // A block of the tail has points of one body and part, as all blocks do.
+  // A block of the tail has points of one bond and layer, as all blocks do.
   const bool fresh = blocks.size() == settled_ || tail_lanes_ == kLanes || meta.back().row != r.row || meta.back().layer != r.layer;
   if (fresh) {
     if (blocks.empty()) law_number_ = r.law;
@@ -218,7 +218,7 @@ void PointStore::reserve_like(const PointStore& other, std::size_t n) {
   if (!other.softening.empty()) softening.reserve(n);
 }
 
-// Adds a record with its links and places. Slots must ascend from call to call.
+// Adds a record with its links and contact points. Slots must ascend from call to call.
 void PointStore::add_record(int slot, const PointRecord& r, int tag) {
   set(slot, r, tag);
   for (int k = 0; k < r.links; ++k) {
@@ -262,7 +262,7 @@ int PointStore::add_block(int row, int layer, const int* base, double cell, Basi
   const double middle = cell_middle(basis);
   for (int d = 0; d < 3; ++d) {
     m.base[d] = base[d];
-    // Empty lanes sit at the middle of the cell, where every weight is finite.
+    // Empty lanes lie at the middle of the cell, where every weight is finite.
     blocks.back().X[d] = splat((base[d] + middle) * cell);
     if (!motion.empty()) motion.back().X0[d] = blocks.back().X[d];
   }

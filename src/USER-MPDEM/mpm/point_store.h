@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// State of the material points of a rank. It is the only copy, in the layout the kernels read. Eight points of one cell
-// make a block: a structure of arrays, whose lanes beyond the last point are empty and have zero volume. The atom of a
-// point in LIGGGHTS holds its slot, which is eight times the block plus the lane. Slots change whenever the points are
-// arranged. Points that arrive from another rank or a restart file wait in blocks of their own at the end until the next `arrange`.
+// State of the material points of a rank. It is the only copy, in the memory layout of the kernels. Eight points of one
+// cell make a block: a structure of arrays, whose lanes beyond the last point are empty and have zero volume. The atom
+// of a point in LIGGGHTS holds its slot, which is eight times the block plus the lane. Slots change whenever the points
+// are arranged. Points that arrive from another rank or a restart file are kept in blocks of their own at the end, the
+// tail, until the next arrange().
 //
-// Lengths are relative to the origin of the point's body. X is the place in the reference configuration, where the body
-// was created. If there is a `motion`, X is the place of the point when the reference was last taken anew (with
-// `updated` kinematics, in every step). F is relative to the reference.
+// Lengths are relative to the origin of the point's bond. X is the position in the reference configuration, in which
+// the bond was created. If there is a `motion`, X is the position of the point when the reference was last renewed
+// (with `updated` kinematics, in every step). F is relative to the reference.
 #ifndef MPDEM_MPM_POINT_STORE_H
 #define MPDEM_MPM_POINT_STORE_H
 
@@ -39,13 +40,13 @@ struct PointBlock {
   Sym3<vd> strain;
 };
 
-// Motion of points whose reference moves: place of creation, velocity and its affine part, as in a PointRecord.
+// Motion of points whose reference moves: position of creation, velocity and its affine field, as in a PointRecord.
 struct PointMotion {
   vd X0[3], v[3];
   Mat3<vd> C;
 };
 
-// Slip of the cracks of points that failed, as in a PointRecord.
+// Slip of the cracks of failed points, as in a PointRecord.
 struct PointSlip {
   vd at[3];
 };
@@ -54,17 +55,17 @@ struct BlockMeta {
   int row = 0, layer = 0;
   int base[3] = {0, 0, 0};         // cell, see basis.h
   int joined = kOneCell;           // code of its cells in a row, see basis.h and arrange()
-  int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid; without a meaning if it borrows
+  int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid; without a meaning if it has aliases
   static constexpr int kOwn = -1;
-  int aliases = kOwn;                                 // first of its nodes in Grid::borrowed; kOwn: it has columns
+  int aliases = kOwn;                                 // first of its nodes in Grid::aliases; kOwn: it has columns
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // one bit for each lane
   std::uint8_t split_checked = 0;                     // failed, and the nodes were split for it, see fracture/phantom_nodes.h
   std::uint8_t fragment = 0;                          // failed, and too distorted to have a crack that closes, see closing_points.h
   std::uint8_t connected[2] = {
-      0, 0};  // bits for each grain: held when the bond was last examined after it came apart (fracture/separation.h); all set before
+      0, 0};  // bits for each grain: connected to it at the last check after separation (fracture/separation.h); all set before
   std::uint8_t linked = 0;             // had a link to a grain when it was made
   std::uint8_t second = 0, third = 0;  // lanes in the second and the third cell of the row
-  Lattice lattice = Lattice::none;     // arrangement of its points, with empty lanes at matching places
+  Lattice lattice = Lattice::none;     // arrangement of its points, with empty lanes at matching positions
   bool damaged = false;                // some lane failed, or has a state of the law that is not 0
 };
 
@@ -90,7 +91,7 @@ inline int cell_of(const BlockMeta& m, int lane, int d) {
   return m.base[d] + (reach_along(m.joined, d) == 0 ? 0 : (m.second >> lane & 1) + 2 * (m.third >> lane & 1));
 }
 
-// Calls f with the weights of a block of points. f is compiled for blocks of one cell, and for rows of two and three cells in each direction.
+// Calls f with the weights of a block. f is compiled for one cell, and for rows of two and three cells along each axis.
 template <class Type, class F>
 decltype(auto) with_weights(const PointBlock& p, const BlockMeta& m, double inverse_h, F&& f) {
   if constexpr (Type::kMayJoinCells) {
@@ -107,7 +108,7 @@ decltype(auto) with_weights(const PointBlock& p, const BlockMeta& m, double inve
   return f(Weights<Type>(p.X, m.base, inverse_h));
 }
 
-// Calls f with weights that are for gather_gradient and scatter_gradient alone. Points of a lattice need fewer weights for these.
+// Calls f with weights for gather_gradient and scatter_gradient alone, of which points of a lattice need fewer.
 template <class Type, class F>
 decltype(auto) with_gradient_weights(const PointBlock& p, const BlockMeta& m, double inverse_h, F&& f) {
   if constexpr (Type::kSupport == 3) {
@@ -117,7 +118,7 @@ decltype(auto) with_gradient_weights(const PointBlock& p, const BlockMeta& m, do
   return with_weights<Type>(p, m, inverse_h, std::forward<F>(f));
 }
 
-// Range of the entries of a slot in a list of links or places that ascends in slot.
+// Range of the entries of a slot in a list of links or contact points that ascends in slot.
 template <class List>
 auto of_slot(List& list, int slot) {
   const auto begin = std::lower_bound(list.begin(), list.end(), slot, [](const auto& a, int s) { return a.slot < s; });
@@ -129,13 +130,13 @@ auto of_slot(List& list, int slot) {
 class PointStore {
  public:
   std::vector<PointBlock> blocks;
-  std::vector<PointMotion> motion;  // empty while the first reference stands
+  std::vector<PointMotion> motion;  // empty while the first reference is in use
   std::vector<PointSlip> slip;      // empty while no crack closed under friction, see closing_points.h
-  // Root of the norm of the strain that the points have now (strain_norm.h), for blocks with damage whose last pass found
-  // it. kUnknown elsewhere. Empty without nonlocal damage. Not part of a record, since it follows from the strain.
+  // Root of the norm of the present strain of the points (strain_norm.h), for blocks with damage whose last pass found
+  // it. kUnknown elsewhere. Empty without nonlocal damage. Not in a record, since it follows from the strain.
   std::vector<vd> root_of_norm;
   static constexpr double kUnknown = -1.0;
-  // Softening of the points (material/law.h), by their places of creation. Empty if the law has one for all. A layout sets it.
+  // Softening of the points (material/law.h) by positions of creation, set with the layout. Empty if all have the same.
   std::vector<vd> softening;
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
@@ -149,22 +150,23 @@ class PointStore {
   int add(const PointRecord& r, int tag);
   PointRecord record(int slot) const;
 
-  // Puts all points into blocks of one cell, in the order body, part, cell, tag. Returns the new slot of each old slot,
-  // -1 for an empty one. Order and blocks depend on the points alone, not on how they came here. Links and places
-  // follow.
-  // new_layer: the new part of some slots (ascending).
+  // Sorts all points into blocks of one cell, in the order bond, layer, cell, tag. Returns the new slot of each old
+  // slot, -1 for an empty one. Order and blocks depend on the points alone, not on the order of their arrival. Links
+  // and contact points are moved with them.
+  // new_layer: the new layer of some slots (ascending).
   // stay: points will not change cells. This has three effects. Points of one cell that are in columns of a lattice
   // take the lanes of columns.h. Blocks that are not full share one block with those of one or two next cells in a row,
-  // if they fit. Such a block has a third or two thirds more nodes, but it replaces two or three blocks. And parts
-  // change neither blocks nor lanes: a block whose points have several parts becomes a family. The home of a family has
-  // the points of the first part. Each other part has a copy of the block, in which a point has the same lane as at
-  // home. Blocks of a family span only the cells in which their points are. Copies follow all homes, in the order home, part.
+  // if they fit. Such a block has a third or two thirds more nodes, but it replaces two or three blocks. And layers
+  // change neither blocks nor lanes: a block whose points are in several layers becomes a family. The home of a family
+  // has the points of the first layer. Each other layer has a copy of the block, in which a point has the same lane as
+  // in the home. Blocks of a family span only the cells in which their points are. Copies come after all homes, in the
+  // order home, layer.
   std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_layer = {}, bool stay = false);
 
-  // Moves points to other parts after arrange() with `stay`. Blocks are to the bit those that arrange() would make.
+  // Moves points to other layers after arrange() with `stay`. Blocks are bitwise identical to those of arrange().
   struct LayerMove {
     std::vector<int> blocks;          // blocks that have other points than before
-    std::vector<int> new_link_index;  // new place of each link
+    std::vector<int> new_link_index;  // new index of each link
   };
   LayerMove move_to_layers(const std::map<int, int>& layer_of_slot, double cell, Basis basis);
 
@@ -175,7 +177,7 @@ class PointStore {
   int size() const;         // points
   bool unstrained() const;  // is each deformation gradient the identity, and each strain zero?
   bool any_failed() const;
-  // Bits of the grains to which a point holds, as in a PointRecord.
+  // Bits of the grains to which a point is connected, as in a PointRecord.
   int connected(int slot) const {
     const BlockMeta& m = meta[slot / kLanes];
     return (m.connected[0] >> slot % kLanes & 1) + 2 * (m.connected[1] >> slot % kLanes & 1);
@@ -188,8 +190,8 @@ class PointStore {
     }
   }
 
-  // Prefetches a block that comes soon. Otherwise a pass waits for memory: the prefetch of the processor ends with a
-  // page of memory, which is about three blocks.
+  // Prefetches a block that a pass will soon need. Otherwise the pass stalls: the hardware prefetcher stops at the end
+  // of a page of memory, which has about three blocks.
   __attribute__((always_inline)) void prefetch(int b) const {
     prefetch_bytes(&blocks[b], sizeof(PointBlock));
     prefetch_bytes(&meta[b], sizeof(BlockMeta));
@@ -201,19 +203,19 @@ class PointStore {
   vd* change_state(int b);
   // States of all blocks in sequence. Empty while they are all 0.
   const std::vector<vd>& states() const { return state_; }
-  // Number of vectors in a state, as the law of the points needs them. kMostStateFields until the law is set, as in a record.
+  // Number of vectors in a state of the law. kMostStateFields until the law is set, as in a record.
   int state_fields() const { return state_fields_; }
-  // Law of the points. Null until it is set, if the points came from a file or another rank. It stays when the command
-  // that made it is gone, since the states belong to this law.
+  // Law of the points. Null until it is set, if the points came from a file or another rank. It outlives the command
+  // that made it, since the states belong to this law.
   const Law* law() const { return law_.get(); }
-  // Number of the law that is set or that the points came with, as in PointRecord::law.
+  // Number of the law that is set or with which the points arrived, as in PointRecord::law.
   int law_number() const { return law_number_; }
   // Sets the law. Numbers of a state beyond the fields of the law must be 0.
   void set_law(const std::shared_ptr<const Law>& law);
   // Sets the state of one point. numbers: kMostStateFields of them.
   void set_state(int slot, const double* numbers);
 
-  // Gives the points a motion at rest, unless they have a motion.
+  // Gives the points a PointMotion with zero velocity, unless they have one.
   void let_move();
   // Gives the points a slip of zero, unless they have a slip.
   void let_slip();
@@ -221,7 +223,7 @@ class PointStore {
     if (root_of_norm.empty()) root_of_norm.assign(blocks.size(), splat(kUnknown));
     root_of_norm[b] = root;
   }
-  // For all who set the strain but the pass over the points.
+  // Must be called after every change of strain outside the pass over the points.
   void forget_roots_of_norm() { root_of_norm.clear(); }
   bool knows_root_of_norm(int b) const { return meta[b].damaged && !root_of_norm.empty() && root_of_norm[b][0] != kUnknown; }
 
@@ -230,10 +232,10 @@ class PointStore {
   // Copies a point of another store into a free lane, without its links.
   void take(const PointStore& from, int slot, int new_slot);
   void empty_lane(int slot, double cell, Basis basis);
-  // Sorts the links by slot after moves. new_index[i] is where link i went.
+  // Sorts the links by slot after moves. new_index[i] is the new index of link i.
   std::vector<int> sort_links();
 
-  // Places at which the points of a block were created.
+  // Positions at which the points of a block were created.
   const vd* created_at(int b) const { return motion.empty() ? blocks[b].X : motion[b].X0; }
 
   void clear();
@@ -280,14 +282,14 @@ class PointStore {
     int home, layer;
   };
   std::vector<Copy> copies_;
-  // For each lane of a home: its part, the block it comes from, and its cell; -1 if it is empty.
+  // For each lane of a home: its layer, the block from which its point is taken, and its cell; -1 if it is empty.
   struct Family {
     std::array<int, kLanes> layer, from;
     std::array<std::array<int, 3>, kLanes> cell;
     Family() { layer.fill(-1), from.fill(-1); }
     int first() const;
     std::vector<int> others() const;
-    // Sets base, joined, second and third of the block of a part.
+    // Sets base, joined, second and third of the block of a layer.
     void shape(int layer, BlockMeta& m) const;
   };
   int add_block(int row, int layer, const Family& family, double cell, Basis basis);
@@ -298,7 +300,7 @@ class PointStore {
   void fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& new_index, std::vector<int>& new_slot,
                   double cell, Basis basis);
   void find_damaged(int b);
-  // Finds BlockMeta::lattice, and moves empty lanes to places that fit it.
+  // Finds BlockMeta::lattice, and moves empty lanes to positions that fit it.
   void find_lattice(int b);
   void reserve_like(const PointStore& other, std::size_t blocks);
   void add_record(int slot, const PointRecord& r, int tag);

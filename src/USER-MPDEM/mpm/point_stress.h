@@ -31,7 +31,7 @@ inline Mat3<vd> weighted_piola(const Mat3<vd>& F, const Frame& q, const Sym3<vd>
   return T;
 }
 
-// Returns -V tau, the force where the reference is the present.
+// Returns -V tau: the same where the reference is the present configuration.
 inline Mat3<vd> weighted_kirchhoff(const Frame& q, const Sym3<vd>& s, vd volume) {
   const Sym3<vd> g = (-1.0 * volume) * rotate(rotation_matrix(q), s);
   return {{{g.xx, g.xy, g.xz}, {g.xy, g.yy, g.yz}, {g.xz, g.yz, g.zz}}};
@@ -44,12 +44,12 @@ inline Mat3<vd> keep(vmask m, const Mat3<vd>& a, const Mat3<vd>& b) {
   return r;
 }
 
-// Points whose damage may grow are few in their blocks, 3 of 8 where a crack opens. They wait, with their blocks, until
-// whole vectors of them are full. The damage step of a lane does not depend on the others.
+// Few points of a block have growing damage, 3 of 8 where a crack opens. So these points are queued, with their blocks,
+// until they fill whole vectors. The damage step of a lane does not depend on the others.
 template <class L>
 class PointStress {
  public:
-  static constexpr int kMost = 8 * kLanes;  // most blocks that can wait
+  static constexpr int kMost = 8 * kLanes;  // most blocks in the queue
 
   // limit: Grid::drive_limit of the grid of these points.
   PointStress(PointStore& points, const L& law, double dt, const AdvanceOptions& options, const std::vector<vd>& limit,
@@ -71,7 +71,7 @@ class PointStress {
     }
   }
 
-  // Finds the stress of block b in its material frame, zero in failed lanes. Returns false if the block waits for
+  // Finds the stress of block b in its material frame, zero in failed lanes. Returns false if the block is queued for
   // settle(). strain_start is the strain before the step. average() gives the average that drives nonlocal damage.
   template <class Average>
   bool operator()(int b, const Sym3<vd>& strain_start, const Average& average, Sym3<vd>& stress) {
@@ -98,7 +98,8 @@ class PointStress {
 
   bool full() const { return points_waiting_ >= kMost; }
 
-  // Finds the damage of the points that wait. Then calls then(block, stress) for their blocks, in the order they came.
+  // Updates the damage of the queued points. Then calls then(block, stress) for their blocks, in the order of the
+  // queue.
   template <class Then>
   void settle(PassClock& clock, Then&& then) {
     if (blocks_waiting_ == 0) return;
@@ -127,7 +128,7 @@ class PointStress {
       if (!result_.near_threshold)
         find_distance_to_threshold(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
       const vd root = root_of_norm(law_, p.strain);
-      // The pass finds it again in each step of a block with damage, so it is never that of an older strain.
+      // It is found in each step of a block with damage, so it never belongs to an older strain.
       if (m.damaged) points_.keep_root_of_norm(b, root);
       const vd a = drive_factor<L>(average / max(root, splat(1e-100)));
       strength /= min(max(a, splat(1e-100)), splat(kMostAmplification));
@@ -144,7 +145,8 @@ class PointStress {
 
   void find_distance_to_threshold(vd square, vmask active, vd limit) { result_.near_threshold = any(active & (square > limit)); }
 
-  // Copies lane k of `from` to lane l of `to`. Blocks, tensors and states are arrays of vectors, so a lane is every eighth number of them.
+  // Copies lane k of `from` to lane l of `to`. Blocks, tensors and states are arrays of vectors, so a lane is every
+  // eighth number.
   template <class To, class From>
   static void copy(To* to, int l, const From* from, int k, int vectors) {
     double* t = reinterpret_cast<double*>(to) + l;
@@ -152,7 +154,7 @@ class PointStress {
     for (int i = 0; i < vectors; ++i) t[kLanes * i] = f[kLanes * i];
   }
 
-  // place: eight times the place of the block in waiting_ plus the lane.
+  // place: eight times the index of the block in waiting_ plus the lane.
   void wait(int place, const Sym3<vd>& strain_start, vd strength) {
     const int l = place % kLanes, b = waiting_[place / kLanes].block, to = points_waiting_ % kLanes;
     Points& v = vectors_[points_waiting_ / kLanes];

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The points that a bond will have when they are made. Bonds of equal geometry are equal in the axes of their bodies,
-// so one pattern stands for all of them. Every rank has all patterns. Body::pattern is the number of the pattern of a bond without points.
+// Template of the points that a bond will have when they are made. Bonds of equal geometry share one, since they are
+// equal in their own axes. Every rank has all templates. BondRecord::pattern is the number of that of a bond without
+// points.
 #ifndef MPDEM_MPM_POINT_TEMPLATE_H
 #define MPDEM_MPM_POINT_TEMPLATE_H
 
@@ -41,7 +42,7 @@ struct TemplatePoint {
   }
 };
 
-// Values that the host gives to all points of a pattern: type and mask of their atoms, and the density of the calcite.
+// Values common to all points of a template: type and mask of their atoms, and the density of the calcite.
 struct TemplateHead {
   int type = 1, mask = 1;
   double density = 1.0;
@@ -65,10 +66,10 @@ struct PointTemplate {
   std::size_t memory_usage() const { return points.capacity() * sizeof(TemplatePoint); }
 };
 
-// Packs all patterns into numbers. read() unpacks them. The reader tells what is wrong with the numbers of a file.
+// Packs all templates into numbers. read() unpacks them. The reader reports what is wrong with the numbers of a file.
 std::vector<double> packed(const std::vector<PointTemplate>& patterns);
 void read(RecordReader& in, int count, std::vector<PointTemplate>& patterns);
-// Text of what is wrong between the patterns and the bodies that name them, or an empty string.
+// Text of what is wrong between the templates and the bonds that refer to them, or an empty string.
 std::string trouble_of(const std::vector<PointTemplate>& patterns, const std::vector<BondRecord>& records);
 
 }  // namespace mpdem

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Power of the present forces. `stored` is that with the stored velocities, which are half a step old. `growth` is what
-// a unit of time adds as the accelerations change the velocities. Units: energy per time, and energy per time squared.
+// Power of the present forces. `stored` is that with the stored velocities, which are half a step old. `growth` is its
+// rate as the accelerations change the velocities. Units: energy per time, and energy per time squared.
 #ifndef MPDEM_MPM_POWER_H
 #define MPDEM_MPM_POWER_H
 

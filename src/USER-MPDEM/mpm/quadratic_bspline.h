@@ -3,7 +3,7 @@
 //
 // Quadratic B-splines on a uniform grid: three nodes a direction, base = floor(X/h - 1/2) (Steffen, Kirby & Berzins,
 // Int. J. Numer. Meth. Engng 76 (2008) 922). Their gradient is continuous, so force over mass stays bounded at a node
-// with next to no mass.
+// with almost no mass.
 #ifndef MPDEM_MPM_QUADRATIC_BSPLINE_H
 #define MPDEM_MPM_QUADRATIC_BSPLINE_H
 

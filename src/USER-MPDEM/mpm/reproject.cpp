@@ -22,7 +22,7 @@ void add_affine(const PointStore& points, const Grid& grid, double density, cons
         vd v[3];
         gather_value(field.data(), m.column, s, v);
         for (int i = 0; i < 3; ++i) v[i] *= mass;
-        // The first moments of the weights take the place of their gradients.
+        // The first moments of the weights replace their gradients.
         const auto moment = with_moments(s, p.X, m.base, grid.h);
         Mat3<vd> C = gather_gradient(field.data(), m.column, Type::kAffine > 0.0 ? moment : s);
         const vd scale = mass * (Type::kAffine > 0.0 ? Type::kAffine / (grid.h * grid.h) : 1.0);
@@ -59,7 +59,7 @@ void reproject_velocity(const PointStore& points, Grid& grid, const SharedList<d
   jump.resize(n);
   if (transfer.method == Transfer::flip) {
     const double A = transfer.flip_share;
-    std::vector<double> rest(n);  // the part that is projected
+    std::vector<double> rest(n);  // the field that is projected
     for (std::size_t i = 0; i < n; ++i) rest[i] = (1.0 - A) * v[i] + dt * grid.acceleration[i];
     project(points, grid, added_mass, density, false, rest, jump);
     for (std::size_t i = 0; i < n; ++i) jump[i] -= rest[i];

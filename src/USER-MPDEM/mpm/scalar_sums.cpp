@@ -9,12 +9,12 @@ namespace mpdem {
 
 namespace {
 
-constexpr double kRounding = 1e-9;  // of the places of points, in cells
+constexpr double kRounding = 1e-9;  // of the positions of points, in cells
 constexpr int kNone = -1;
-constexpr int kAlone = -2;  // place of a point alone while places are found: kAlone - its number
+constexpr int kAlone = -2;  // index of a single point while indices are found: kAlone - its number
 
 using v4 = double __attribute__((vector_size(32)));
-constexpr int kAlong = 4;  // weights along the column of a point alone; no basis has more
+constexpr int kAlong = 4;  // weights along the column of a single point; no basis has more
 static_assert(Bases::kMostSupport <= kAlong && kAlong <= ScalarSums::kRoom, "vectors along a column fit");
 
 template <class V>
@@ -38,7 +38,7 @@ inline vd shifted(const vd& before, const vd& now) {
   return __builtin_shufflevector(before, now, 5, 6, 7, 8, 9, 10, 11, 12);
 }
 
-// Kernels for eight cells of a run. Lane n stands for cell n, or for the node at its beginning. `half` is 0 for lower
+// Kernels for eight cells of a run. Lane n belongs to cell n, or to the node at its beginning. `half` is 0 for lower
 // and 1 for upper points.
 template <class Type>
 class RunKernels {
@@ -52,7 +52,7 @@ class RunKernels {
       for (int i = 0; i < S; ++i) w_[half][i] = of[i][half];
   }
 
-  // Interpolates f at the points of eight cells, times their factors. `first`: of these cells in their run.
+  // Interpolates f at the points of eight cells, times their factors. `first`: the first of these cells in their run.
   void gather(const double* f, const int* column, int first, const vd* factor, vd* value) const {
     for (int half = 0; half < 2; ++half) {
       vd of_column[kColumns], of_plane[S][2];
@@ -125,7 +125,7 @@ inline void scatter_alone(double value, const int* column, const double* weight,
   for (int c = 0; c < S * S; ++c) store(sum + column[c], load<v4>(sum + column[c]) + weight[c] * of_nodes);
 }
 
-// Finds the lanes that are in the lattice, and their places in their cells.
+// Finds the lanes that are in the lattice, and their positions in their cells.
 std::uint8_t in_lattice(const PointBlock& p, const BlockMeta& m, double inverse_h, double middle, int (&place)[kLanes]) {
   vmask upper[3], in = lanes(m.occupied & static_cast<std::uint8_t>(~m.failed));
   for (int d = 0; d < 3; ++d) {
@@ -141,7 +141,7 @@ std::uint8_t in_lattice(const PointBlock& p, const BlockMeta& m, double inverse_
 
 }  // namespace
 
-// A cell is known by its first node. The lanes of a block in a row of cells may be in different cells.
+// A cell is identified by its first node. The lanes of a block in a row of cells may be in different cells.
 int ScalarSums::node_of_cell(const BlockMeta& m, int lane, int column) const {
   const int S = support(basis_);
   int off[3];
@@ -151,7 +151,7 @@ int ScalarSums::node_of_cell(const BlockMeta& m, int lane, int column) const {
 
 void ScalarSums::find(const PointStore& points, const Grid& grid) {
   basis_ = grid.basis;
-  std::vector<int> cell_at(grid.size(), kNone);  // of each node: slot of a point of the cell that begins there, then the place of the cell
+  std::vector<int> cell_at(grid.size(), kNone);  // for the cell that begins at a node: slot of a point, later index in volume_
   find_points(points, grid.h, cell_at);
   make_runs(points, cell_at);
   first_alone_ = static_cast<int>(kLanes * volume_.size());
@@ -166,7 +166,7 @@ void ScalarSums::find(const PointStore& points, const Grid& grid) {
     }
 }
 
-// Leaves in place_ for the points of a lattice eight times the first node of their cell, plus their place in the cell.
+// Sets place_ for the points of a lattice to eight times the first node of their cell, plus their position in the cell.
 void ScalarSums::find_points(const PointStore& points, double h, std::vector<int>& cell_at) {
   blocks_.clear();
   place_.clear();
@@ -222,18 +222,18 @@ void ScalarSums::add_alone(const BlockMeta& m, const W& s, std::uint8_t which, s
   }
 }
 
-// Replaces the slots of cells by places in volume_.
+// Replaces the slots of cells by indices into volume_.
 void ScalarSums::make_runs(const PointStore& points, std::vector<int>& cell_at) {
   runs_.clear();
   volume_.clear();
   const int columns = support(basis_) * support(basis_);
-  bool follows = false;  // the node before is the first one of a cell
+  bool follows = false;  // true if the node before is the first one of a cell
   for (int& at : cell_at) {
     if (at == kNone) {
       follows = false;
       continue;
     }
-    // The node after the first one of a cell is its second one along the column. So if a cell begins there, it is the next of the run.
+    // A cell that begins at the node after the first one of a cell is the next of the run.
     if (!std::exchange(follows, true)) {
       runs_.push_back({{}, 0, static_cast<int>(volume_.size())});
       for (int c = 0; c < columns; ++c) runs_.back().column[c] = node_of_cell(points.meta[at / kLanes], at % kLanes, c);

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Sums of scalars of points at the nodes, for points that are summed many times at the same places with the same
-// volumes. Failed points take no part.
+// Sums of scalars of intact points at the nodes, made many times with the same positions and volumes of the points.
 //
 // Most points of a bond are in a lattice: a quarter of a cell off the middle of their cell in each direction. Their
 // weights are products of the 1-D shape functions at a quarter of h below and above the middle. So values are
-// interpolated and summed one direction at a time (sum factorisation, Orszag, J. Comput. Phys. 37 (1980) 70). Cells that
-// follow each other along the columns of nodes make a run. A vector has eight cells of a run, so no lanes are summed.
-// Each other point keeps its own weights, and vectors go along its columns of nodes. Neither reads the points. A sum
-// by blocks (gather.h, scatter.h) finds the weights of eight points each time, and sums over their lanes.
+// interpolated and summed one direction at a time (sum factorisation, Orszag, J. Comput. Phys. 37 (1980) 70). Cells
+// that follow each other along the columns of nodes make a run. A vector has eight cells of a run, so no lanes are
+// summed. Each other point, a single point, keeps its own weights, and vectors run along its columns of nodes. Neither
+// kernel reads the points. A sum by blocks (gather.h, scatter.h) finds the weights of eight points each time, and sums
+// over their lanes.
 #ifndef MPDEM_MPM_SCALAR_SUMS_H
 #define MPDEM_MPM_SCALAR_SUMS_H
 
@@ -23,13 +23,13 @@ namespace mpdem {
 
 class ScalarSums {
  public:
-  // Arrays of nodal values must have so many numbers more than there are nodes, since vectors reach beyond the nodes.
+  // Arrays of nodal values must be longer than the number of nodes by this, since vectors reach beyond the nodes.
   static constexpr int kRoom = kLanes;
 
-  // Finds places and volumes of the points that hold. They stand until a point moves, fails or goes to another block or
-  // lane, or nodes of the grid change.
+  // Finds positions and volumes of the intact points. They stay valid until a point moves, fails or changes its block
+  // or lane, or nodes of the grid change.
   void find(const PointStore& points, const Grid& grid);
-  // Number of points that are not in the lattice.
+  // Number of single points, which are not in the lattice.
   int alone() const { return alone_; }
 
   // sum_I += sum over the points of V N_I
@@ -67,14 +67,14 @@ class ScalarSums {
 
   Basis basis_ = Basis::quadratic;
   std::vector<Run> runs_;
-  // Of the points of runs, eight vectors for eight cells, one for each place in a cell. A place has a bit for each
-  // direction, 1 for the upper half, that of x the highest. Then of the points alone.
+  // For the points of runs: eight vectors for eight cells, one for each position in a cell. A position has a bit for
+  // each direction, 1 for the upper half, that of x the highest. Then for the single points.
   std::vector<vd> volume_, value_;
-  int first_alone_ = 0, alone_ = 0;             // first number in volume_ of the points alone, and how many there are
-  std::vector<int> column_;                     // of the points alone: first nodes of their columns; then room
-  std::vector<double> weight_;                  // of the points alone: of the columns, and of the nodes along a column; then room
-  std::vector<int> blocks_;                     // those that hold, ascending
-  std::vector<std::array<int, kLanes>> place_;  // of their lanes in volume_, -1 for those that do not hold
+  int first_alone_ = 0, alone_ = 0;             // index in volume_ of the first single point, and number of single points
+  std::vector<int> column_;                     // of the single points: first nodes of their columns; then padding
+  std::vector<double> weight_;                  // of the single points: of the columns, and of the nodes along a column; then padding
+  std::vector<int> blocks_;                     // those with intact points, ascending
+  std::vector<std::array<int, kLanes>> place_;  // of their lanes: index in volume_, -1 without an intact point
 };
 
 }  // namespace mpdem

@@ -43,8 +43,8 @@ inline void add_lanes(double* p, const vd& s, int first = 0) {
   }
 }
 
-// Adds the lane sums of 3 kK vectors to as many consecutive doubles, column by column. Reductions run eight vectors at
-// a time. The vectors of a column beyond eight wait until there are eight of these.
+// Adds the lane sums of 3 kK vectors to as many consecutive doubles, column by column. Reductions take eight vectors at
+// a time. The vectors of a column beyond eight are kept until there are eight of these.
 template <class W>
 class ColumnSums {
  public:
@@ -78,7 +78,7 @@ class ColumnSums {
   static constexpr int kFirst = kValues < 8 ? kValues : 8, kOver = kValues - kFirst;
   static constexpr bool kFull = kOver > 4;  // the rest of a column nearly fills eight vectors by itself
   static_assert(kFull || kOver == 0 || 8 % kOver == 0, "columns fill the rest without a gap");
-  // Adds the waiting sums of the last `columns` columns, the last of which is c.
+  // Adds the kept sums of the last `columns` columns, the last of which is c.
   void add_rest(int c, int columns) {
     const vd s = sum_lanes_of_8(rest_);
     for (int n = 0; n < columns; ++n) add_lanes<kOver>(place(c - columns + 1 + n) + 8, s, kOver * n);
@@ -110,7 +110,7 @@ inline void scatter_gradient(double* __restrict nodal, const int* column, const 
       for (int c = 0; c < 3; ++c) {
         const vd a = A[c] * s.w[1][j] + B[c] * s.dw[1][j];
         const vd b = C[c] * s.w[1][j];
-        vd rest = a;  // the column takes a in all, so the node left out takes what the others leave
+        vd rest = a;  // the column receives a in all, so the node left out receives the remainder
         for (int k = 0; k < W::kK; ++k) {
           if (k == kLeftOut) continue;
           values[3 * k + c] = a * s.w[2][k] + b * s.dw[2][k];

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The stiffness K of the points of one bond on its grid, as an operator. K is never formed: one product is one gather
-// and one scatter over the points. K is the secant stiffness in the present state. Damage is that of the present, and
-// displacements add to the present deformation. Failed points have no stiffness. Forces that the present stress exerts on a rotation are left out.
+// The stiffness K of the points of one bond on its grid, as an operator: one product is one gather and one scatter over
+// the points. K is the secant stiffness in the present state: damage is fixed, and displacements add to the present
+// deformation. Failed points have no stiffness. The geometric stiffness of the present stress is left out.
 #ifndef MPDEM_MPM_STIFFNESS_FORCE_H
 #define MPDEM_MPM_STIFFNESS_FORCE_H
 
@@ -16,17 +16,17 @@
 namespace mpdem {
 
 struct StiffPoints {
-  bool failed_hold = false;                  // points that failed count as undamaged
+  bool failed_hold = false;                  // failed points count as undamaged
   const std::vector<int>* blocks = nullptr;  // blocks whose points count; null: all
 };
 
-// out -= K x: adds the internal force due to a displacement x, three numbers a node. x must have the values of tied
-// nodes. The caller applies ExtensionConstraints::gather_to_masters() to out, and the sum over ranks.
+// out -= K x: adds the internal force due to a displacement x, three numbers a node. x must have the values of
+// constrained nodes. The caller applies ExtensionConstraints::gather_to_masters() to out, and the sum over ranks.
 void add_stiffness_force(const PointStore& points, const Grid& grid, const Law& law, const double* x, double* out,
                          const StiffPoints& which = {});
 
-// Adds an estimate of the diagonal of K to `diagonal`, one number a node. Stiffness of tied nodes is added to their
-// masters by the absolute weights. The caller sums over ranks.
+// Adds an estimate of the diagonal of K to `diagonal`, one number a node. Stiffness of constrained nodes is added to
+// their masters by the absolute weights. The caller sums over ranks.
 void add_stiffness_diagonal(const PointStore& points, const Grid& grid, const Law& law, double* diagonal);
 
 // Strain of each block due to a displacement x, in the material frames.

@@ -16,7 +16,7 @@ vd root_of_drive(vd drive) {
   return L::kDegree == 2 ? sqrt(root) : root;
 }
 
-// Not inlined, so that a strain has the same root to the bit wherever it is asked for.
+// Not inlined, so that the root of a strain is bitwise identical wherever it is computed.
 template <class L>
 __attribute__((noinline)) vd root_of_norm(const L& law, const Sym3<vd>& strain) {
   return root_of_drive<L>(law.undamaged_drive(strain));

@@ -6,7 +6,7 @@
 //   flip A      A (V + dt S a) + (1 - A) S (v + dt a)                 (Brackbill & Ruppel 1986)
 //   apic        S (v + dt a), with an affine velocity field in each point    (Jiang et al. 2015)
 //   xpic m      S (q v + dt a), 1 - (1 - S+S)^m = S+S q(S+S)   (Hammerquist & Nairn 2017)
-// xpic 1 is pic, S (v + dt a). All keep momentum. apic also keeps angular momentum.
+// xpic 1 is pic, S (v + dt a). All conserve momentum. apic also conserves angular momentum.
 #ifndef MPDEM_MPM_TRANSFER_H
 #define MPDEM_MPM_TRANSFER_H
 
@@ -15,7 +15,7 @@ namespace mpdem {
 struct Transfer {
   enum Method { flip, apic, xpic } method = apic;
   double flip_share = 1.0;  // A in [0, 1]
-  int order = 2;            // m, 1 and more
+  int order = 2;            // m, at least 1
 };
 
 }  // namespace mpdem

@@ -21,7 +21,8 @@ struct Spectral {
 inline void jacobi_rotation(vmask open, vd& app, vd& aqq, vd& apq, vd& arp, vd& arq, vd* vp, vd* vq) {
   const vd diff = aqq - app;
   const vd twice = select(open, apq + apq, vd{});
-  // t is the tangent of the smaller angle. It is found without a division by apq, so that a zero off-diagonal gives the identity.
+  // t is the tangent of the smaller angle. It is found without a division by apq, so that a zero off-diagonal gives the
+  // identity.
   const vd root = sqrt(diff * diff + twice * twice);
   const vd denom = abs(diff) + root;
   const vd tiny = splat(1e-300);
@@ -87,7 +88,8 @@ inline Extreme extreme_eigenvalue(const Sym3<vd>& m, vd sign) {
   const vd inverse = 1.0 / max(radius, tiny);
   vd r = 0.5 * sign * determinant(dev) * inverse * inverse * inverse;
   r = max(min(r, splat(1.0)), splat(-1.0));
-  // u = 2 cos(2/3 arccos c) with r = 2 c^2 - 1. The Chebyshev interpolation in c is accurate to 3e-6. Two Newton steps give all digits.
+  // u = 2 cos(2/3 arccos c) with r = 2 c^2 - 1. The Chebyshev interpolation in c is accurate to 3e-6. Two Newton steps
+  // give all digits.
   const vd c = sqrt(0.5 * (1.0 + r));
   vd u = 1.00000274602 + c * (1.15450081002 + c * (-0.21976891968 + c * (0.0952690139231 + c * (-0.0382436570715 + c * 0.00824160659855))));
   for (int it = 0; it < 2; ++it) {

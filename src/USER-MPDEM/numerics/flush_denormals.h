@@ -2,7 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Numbers below 2e-308 count as zero while such an object lives. Ahead of a wave the motion of nodes falls off to such
-// numbers, and the processor takes a hundred cycles for each of them. This works on x86 only. Elsewhere nothing changes.
+// numbers, and the processor takes a hundred cycles for each of them. This works on x86 only. Elsewhere nothing
+// changes.
 #ifndef MPDEM_NUMERICS_FLUSH_DENORMALS_H
 #define MPDEM_NUMERICS_FLUSH_DENORMALS_H
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The place of a node or of a cell: its three whole numbers on a grid. Hash and comparison are for tables of places.
-// The primes of the hash are those of the spatial hash of Teschner et al. (2003).
+// The index of a node or of a cell: its three integers on a grid, with hash and comparison for tables. The primes of
+// the hash are those of the spatial hash of Teschner et al. (2003).
 #ifndef MPDEM_NUMERICS_GRID_INDEX_H
 #define MPDEM_NUMERICS_GRID_INDEX_H
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Finds what must be in a list.
+// Finds an entry that must be in a list.
 #ifndef MPDEM_NUMERICS_INDEX_IN_H
 #define MPDEM_NUMERICS_INDEX_IN_H
 
@@ -13,8 +13,8 @@
 
 namespace mpdem {
 
-// Returns the place of the first entry e with of(e) == key in a list in which of() ascends. Throws std::logic_error with
-// the name of what is sought if there is none.
+// Returns the index of the first entry e with of(e) == key in a list in which of() ascends. Throws std::logic_error
+// with the name of what is sought if there is none.
 template <class List, class Key, class Of>
 std::size_t index_in(const List& ascending, const Key& key, Of of, const char* name) {
   const auto at = std::lower_bound(ascending.begin(), ascending.end(), key, [&](const auto& e, const Key& k) { return of(e) < k; });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Rotations as matrices. Unit quaternions are w, x, y, z. Rotations by the identity return their argument to the bit.
+// Rotations as matrices. Unit quaternions are w, x, y, z. Rotations by the identity return their argument unchanged.
 #ifndef MPDEM_NUMERICS_ROTATION_H
 #define MPDEM_NUMERICS_ROTATION_H
 

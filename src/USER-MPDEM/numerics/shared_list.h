@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A list that is stored once for all holders of an equal one. Bonds of one shape are equal in all but their state:
-// places of points and links, ties of nodes, masses. A holder that changes its list gets its own copy first. So sharing affects nothing but memory.
+// A list that is stored once for all owners of an equal one. Bonds of one shape are equal in all but their state:
+// positions of points and links, constraints of nodes, masses. An owner that changes its list gets its own copy first.
+// So sharing affects only memory.
 #ifndef MPDEM_NUMERICS_SHARED_LIST_H
 #define MPDEM_NUMERICS_SHARED_LIST_H
 
@@ -39,7 +40,7 @@ class SharedList {
     return *list_;
   }
 
-  // Memory of the list in bytes, divided by the number of its holders.
+  // Memory of the list in bytes, divided by the number of its owners.
   std::size_t memory_usage() const { return list_ ? list_->capacity() * sizeof(T) / static_cast<std::size_t>(list_.use_count()) : 0; }
 
  private:
@@ -50,7 +51,7 @@ class SharedList {
 // The lists in use, found by a hash of their bytes.
 class AlikeLists {
  public:
-  // Makes `list` share the memory of an equal list that was shared before. If there is none, `list` is that list from now on.
+  // Makes `list` share the memory of an equal list that was shared before. If there is none, `list` becomes that list.
   template <class T>
   void share(SharedList<T>& list) {
     if (list.empty()) return;
@@ -65,7 +66,7 @@ class AlikeLists {
     }
     forget_unused();
   }
-  // Number of known lists. Some of them may be gone.
+  // Number of known lists, including some that were freed.
   std::size_t size() const { return known_.size(); }
 
  private:

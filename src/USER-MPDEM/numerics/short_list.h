@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A list of integers that are not negative, such as places of nodes. It takes two bytes for each while all of them fit
-// into these, as they do in small bonds. From the first one that does not fit, it takes four bytes for each.
+// A list of non-negative integers, such as indices of nodes. It takes two bytes for each while all of them fit into
+// these, as they do in small bonds. From the first one that does not fit, it takes four bytes for each.
 #ifndef MPDEM_NUMERICS_SHORT_LIST_H
 #define MPDEM_NUMERICS_SHORT_LIST_H
 

@@ -3,7 +3,8 @@
 //
 // Eight doubles as one value. A block of material points is eight points of one cell, one point a lane. So every kernel
 // is written once, on `vd`, and the compiler maps it to the widest registers of the target (one AVX-512, two AVX2 or
-// four SSE2 operations). It uses GCC and Clang vector extensions. Only bits() needs intrinsics, which compilers do not find by themselves.
+// four SSE2 operations). It uses GCC and Clang vector extensions. Only bits() needs intrinsics, which compilers do not
+// find by themselves.
 #ifndef MPDEM_NUMERICS_SIMD_H
 #define MPDEM_NUMERICS_SIMD_H
 

@@ -8,7 +8,7 @@
 
 namespace mpdem {
 
-// Place of the entry (i, j) of a symmetric matrix of any size in its lower triangle by rows.
+// Index of the entry (i, j) of a symmetric matrix of any size in its lower triangle by rows.
 constexpr int lower_triangle(int i, int j) { return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i; }
 
 constexpr int kSym6 = 21;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Joins words and numbers to a text. Numbers are written as by a C++ stream.
+// Joins text and numbers. Numbers are written as by a C++ stream.
 #ifndef MPDEM_NUMERICS_TEXT_OF_H
 #define MPDEM_NUMERICS_TEXT_OF_H
 
@@ -17,7 +17,7 @@ std::string text_of(const T&... parts) {
   return s.str();
 }
 
-// Returns the word of a choice between two.
+// Returns the text of a choice between two.
 inline const char* word_of(bool choice, const char* if_true, const char* if_false) { return choice ? if_true : if_false; }
 
 }  // namespace mpdem

@@ -14,7 +14,7 @@
 
 namespace mpdem {
 
-// Places at which the values of each rank begin.
+// Indices at which the values of each rank begin.
 inline std::vector<int> starts_of(const std::vector<int>& counts) {
   std::vector<int> starts(counts.size());
   std::exclusive_scan(counts.begin(), counts.end(), starts.begin(), 0);

@@ -34,7 +34,7 @@ void HaloSum::build(MPI_Comm comm, Sharing shared, std::size_t size) {
 
 std::size_t HaloSum::shared_items() const { return union_.size(); }
 
-// Takes out the own part, which add_own() adds at the place of this rank in the order.
+// Removes the values of this rank, which add_own() adds at the position of this rank in the order.
 void HaloSum::take_own(double* values, int width) const {
   own_.resize(union_.size() * width);
   for (std::size_t u = 0; u < union_.size(); ++u)

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Sums nodal values over the ranks that share a node. Every holder adds the same contributions in the same order
-// (ascending rank). So the copies of a node stay equal to the bit and never have to be sent again. Buffers are sized once.
+// Sums nodal values over the ranks that share a node. Every rank adds the same contributions in the same order
+// (ascending rank). So the copies of a node stay bitwise identical and never have to be sent again. Buffers are
+// allocated once.
 #ifndef MPDEM_PARALLEL_HALO_SUM_H
 #define MPDEM_PARALLEL_HALO_SUM_H
 
@@ -16,18 +17,18 @@ namespace mpdem {
 
 class HaloSum;
 
-// Buffers of the messages of some sums, one message to each rank. Once they have their sizes, a sum allocates nothing.
+// Buffers of the messages of some sums, one message to each rank. A sum allocates no memory after build().
 class HaloMessages {
  public:
-  // parts: the sums of n bodies.
+  // parts: the sums of n bonds.
   void build(const HaloSum* const* parts, std::size_t n);
-  // Sums the values of these bodies. values[p]: array of body p, `width` doubles for each of its keys.
+  // Sums the values of these bonds. values[p]: array of parts[p], `width` doubles for each of its keys.
   void sum(const HaloSum* const* parts, double* const* values, std::size_t n, int width);
 
  private:
   std::size_t index_of(int rank) const;
 
-  std::vector<int> ranks_;          // all with which a body is shared, ascending
+  std::vector<int> ranks_;          // all with which a bond is shared, ascending
   std::vector<std::size_t> items_;  // number of items shared with each of these ranks
   std::vector<std::vector<double>> send_, recv_;
   std::vector<std::size_t> read_;  // numbers of each message that are added already
@@ -47,7 +48,7 @@ class HaloSum {
   // Collective among sharing ranks. values: width doubles for each key, summed in place.
   void sum(double* values, int width);
 
-  // True for key i if this rank is the one of its holders that counts it in global sums.
+  // True for key i if, of the ranks that share it, this one counts it in global sums.
   const std::vector<char>& counts_here() const { return counts_here_; }
 
   std::size_t shared_items() const;
@@ -71,9 +72,9 @@ class HaloSum {
 // contribution is added in the same order as by HaloSum::sum().
 class HaloSums {
  public:
-  // parts: sums of different bodies, ascending. They are kept by address, so they must outlive this object.
+  // parts: sums of different bonds, ascending. They are stored by address, so they must outlive this object.
   void build(const std::vector<const HaloSum*>& parts);
-  // Sums the values. values[n]: array of part n. Throws std::logic_error if there are more or fewer of them than parts.
+  // Sums the values. values[n]: array of parts[n]. Throws std::logic_error if their numbers differ.
   void sum(const std::vector<double*>& values, int width);
 
  private:

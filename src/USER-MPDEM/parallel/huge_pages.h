@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Memory in pages of 2 MiB. Points and nodes of many bonds lie in more pages of 4 KiB than a processor keeps the
-// addresses of, and looking these up takes time in every step. The gain is in doc/performance.md.
+// Memory in pages of 2 MiB. Points and nodes of many bonds span more pages of 4 KiB than a processor caches addresses
+// of (TLB), and the misses take time in every step. doc/performance.md has the gain.
 #ifndef MPDEM_PARALLEL_HUGE_PAGES_H
 #define MPDEM_PARALLEL_HUGE_PAGES_H
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Names a node on all ranks: its field, which is a part of a bond (mpm/bond_record.h), and its place on the grid of the bond.
-// Other objects are named by fewer whole numbers. Keys are in the order of field, i, j, k.
+// Identifies a node on all ranks by its field, which is a layer of a bond (mpm/bond_record.h), and its index on the
+// grid of the bond. Other objects have fewer integers. Keys are in the order of field, i, j, k.
 //
-// A key takes 16 bytes: 31 bits for the bond, as many as an int can count, 22 for the part, 25 for each number of a
-// place. A part has its own nodes, so memory ends before parts do. Throws OnOneRank for a place farther than kFarthest
-// cells from the origin of its bond.
+// A key takes 16 bytes: 31 bits for the bond, as many as an int can count, 22 for the layer, 25 for each component of
+// the grid index. Every layer has its own nodes, so memory ends before layers do. Throws OnOneRank for an index farther
+// than kFarthest cells from the origin of its bond.
 #ifndef MPDEM_PARALLEL_KEY_H
 #define MPDEM_PARALLEL_KEY_H
 
@@ -23,12 +23,12 @@ constexpr int kRowBits = 31, kLayerBits = 22;
 class Key {
  public:
   static constexpr int kIndexBits = 25, kFarthest = (1 << (kIndexBits - 1)) - 1;
-  // Makes a key that no node has. It comes before all others.
+  // Makes a key that no node has, and that precedes all others.
   constexpr Key() = default;
   Key(Field field, int i, int j, int k)
       : bits_(static_cast<Bits>(field) << 3 * kIndexBits | shifted(i, 2) | shifted(j, 1) | shifted(k, 0)) {}
   Key(Field field, const int* index) : Key(field, index[0], index[1], index[2]) {}
-  // Makes a key before all keys of the field. No node has it.
+  // Makes a key that no node has, and that precedes all keys of the field.
   static Key before(Field field) {
     Key k;
     k.bits_ = static_cast<Bits>(field) << 3 * kIndexBits;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Memory that a rank may take. With it an input that needs more is rejected before the machine begins to swap or ends some process.
+// Memory that a rank may use, so that an input that needs more is rejected before the machine swaps or kills processes.
 #ifndef MPDEM_PARALLEL_MEMORY_LIMIT_H
 #define MPDEM_PARALLEL_MEMORY_LIMIT_H
 

@@ -7,8 +7,8 @@
 
 namespace mpdem {
 
-// A communicator of the same ranks as another one, so that messages of the cement are not taken for those of its host,
-// whatever tags both use. Construction and destruction are collective.
+// A communicator of the same ranks as another one, so that messages of the cement are not mistaken for those of its
+// host, whatever tags both use. Construction and destruction are collective.
 class OwnComm {
  public:
   explicit OwnComm(MPI_Comm of_host) { MPI_Comm_dup(of_host, &comm_); }

@@ -6,13 +6,13 @@
 //
 //   template <class Self, class Visitor>
 //   static constexpr void describe(Self& self, Visitor& visit) {
-//     visit("its volume", self.volume, kPositive);            // words, field, range
-//     visit("its places", self.place, from(-1.0, 1.0));       // arrays of numbers too
+//     visit("its volume", self.volume, kPositive);            // name, field, range
+//     visit("its position", self.X, from(-1.0, 1.0));         // arrays of numbers too
 //     visit("'is moving'", self.moving);                      // bool: 0 or 1
 //     if (visit.present(self.moving)) visit("its velocity", self.velocity, kFinite);
 //     const int n = visit.length("its number of links", self.links, kMostLinks);
 //     for (int k = 0; k < n; ++k) visit.part(self.link[k]);   // records inside
-//     visit.left_out(self.slot);                              // stays behind; the call tells a test that this is meant
+//     visit.left_out(self.slot);                              // not packed; the call tells a test that this is meant
 //   }
 //
 // and this gives it the functions below. Every number is a double in the buffer. A range may depend on fields that are
@@ -39,7 +39,7 @@ constexpr Range kFinite{-kLargestNumber, kLargestNumber}, kPositive{kSmallestNum
 constexpr Range kCount{0.0, kLargestInt};
 constexpr Range from(double low, double high) { return {low, high}; }
 
-// Keeps the first complaint about numbers that are checked one after the other, by name, value and range.
+// Stores the first error among numbers that are checked one after the other, by name, value and range.
 class FirstTrouble {
  public:
   bool check(const char* name, double value, Range range) { return judge(name, value, range, false); }
@@ -48,7 +48,7 @@ class FirstTrouble {
   void tell(const std::string& text) {
     if (trouble_.empty()) trouble_ = text;
   }
-  // The first complaint; empty if there is none.
+  // The first error; empty if there is none.
   const std::string& trouble() const { return trouble_; }
 
  private:
@@ -56,7 +56,7 @@ class FirstTrouble {
   std::string trouble_;
 };
 
-// Complaint about data of version `found`, with its cure; empty if that is the version `own` of this program.
+// Error message on data of version `found`, with a cure; empty if that is the version `own` of this program.
 std::string trouble_with_version(const std::string& data, double found, int own);
 
 namespace record_detail {
@@ -82,7 +82,7 @@ constexpr T number_from(double v) {
   else return static_cast<T>(v);
 }
 
-// Common part of the visitors. Derived has put(name, field, range).
+// Common base of the visitors. Derived has put(name, field, range).
 template <class Derived>
 class Visitor {
  public:
@@ -146,7 +146,7 @@ class Counter : public Visitor<Counter> {
   int numbers = 0;
 };
 
-// Counts the most numbers that a record of the type can have.
+// Counts the largest number of values that a record of the type can have.
 class MostCounter : public Visitor<MostCounter> {
  public:
   template <class T>
@@ -172,7 +172,7 @@ constexpr int count_most() {
 
 }  // namespace record_detail
 
-// numbers_of() is how many numbers pack() gives. kMostNumbers is the most that it gives for any record of this type.
+// numbers_of() is the number of values that pack() writes. kMostNumbers is its maximum over records of this type.
 template <class R>
 constexpr int numbers_of(const R& record) {
   record_detail::Counter count;
@@ -182,7 +182,7 @@ constexpr int numbers_of(const R& record) {
 template <class R>
 constexpr int kMostNumbers = record_detail::count_most<R>();
 
-// Both return where the next record begins. unpack() trusts its numbers, since they come from another rank.
+// Both return where the next record begins. unpack() checks no values, since they come from another rank.
 template <class R>
 double* pack(const R& record, double* to) {
   record_detail::Packer out(to);
@@ -202,8 +202,8 @@ void append(const R& record, std::vector<double>& to) {
   pack(record, to.data() + to.size() - numbers_of(record));
 }
 
-// Reads records from numbers of a file. trouble() tells the first number that is not in its range, or is missing. Such
-// a number is replaced by the least of its range. So the caller may check trouble() once, at the end.
+// Reads records from the values of a file. trouble() names the first value that is out of its range or missing. Such a
+// value is replaced by the lower end of its range, so the caller may check trouble() once, at the end.
 class RecordReader : public record_detail::Visitor<RecordReader>, public FirstTrouble {
  public:
   RecordReader(const double* from, const double* end) : next_(from), end_(end) {}

@@ -98,7 +98,7 @@ std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key
   }
   if (ranks == 1) return result;
 
-  // Homes learn which ranks hold and want each key. Then they tell a holder to send.
+  // The homes collect which ranks have and want each key. Then they request one that has it to send.
   const std::vector<Holder> have = gather_at_home(comm, keys);
   const std::vector<Holder> want = gather_at_home(comm, missing);
   struct Order {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Finds which ranks hold the same key. Every key has a home rank, given by its hash. Ranks report their keys there, and
-// the home answers with the other holders. The cost is proportional to the keys of a rank, for any number of ranks and
-// any shape of their sub-domains. All functions are collective.
+// Finds which ranks share a key. Every key has a home rank, given by its hash. Ranks report their keys there, and the
+// home answers with the other ranks that have them. The cost is proportional to the keys of a rank, for any number of
+// ranks and any shape of their subdomains. All functions are collective.
 #ifndef MPDEM_PARALLEL_RENDEZVOUS_H
 #define MPDEM_PARALLEL_RENDEZVOUS_H
 
@@ -15,8 +15,8 @@
 
 namespace mpdem {
 
-// items[n] are the indices of the caller's keys that ranks[n] holds too, in key order. So both sides enumerate the
-// shared keys in the same way. Ranks ascend.
+// items[n] are the indices of the caller's keys that ranks[n] has too, in key order, so both ranks enumerate the shared
+// keys in the same order. Ranks ascend.
 struct Sharing {
   std::vector<int> ranks;
   std::vector<std::vector<int>> items;
@@ -25,8 +25,8 @@ struct Sharing {
 // keys: ascending, each once.
 Sharing find_sharing(MPI_Comm comm, const std::vector<Key>& keys);
 
-// Returns for each wanted key the value (width doubles) of any rank that holds it, and sets `found` for keys that some
-// rank holds. keys and wanted: ascending, each once.
+// Returns for each wanted key the value (width doubles) of any rank that has it, and sets `found` for keys that some
+// rank has. keys and wanted: ascending, each once.
 std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key>& keys, const std::vector<double>& values,
                                  const std::vector<Key>& wanted, std::vector<char>& found);
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// One bond: all that belongs to the cement between two grains on this rank. It is kept in one place, so a small bond
-// stays in cache from one exchange to the next. A bond is laid out, advanced and handed on by itself.
+// Bond has all data of the cement between two grains on this rank. The data are kept together, so a small bond stays in
+// cache from one exchange to the next. Each bond is laid out, advanced and sent by itself.
 //
-// Bonds holds the bonds of this rank, and the table of all bonds, which is the same on every rank.
+// Bonds has the bonds of this rank, and the table of all bonds, which is the same on every rank.
 #ifndef MPDEM_CEMENT_BOND_BOND_H
 #define MPDEM_CEMENT_BOND_BOND_H
 
@@ -34,21 +34,21 @@ struct Bond {
   PenaltyLinks links;
   AddedMass added;
   using Mechanisms = std::vector<std::unique_ptr<BondMechanism>>;
-  Mechanisms mechanisms;            // of the mechanisms that act in the scene, see cement/layout/mechanisms.h
+  Mechanisms mechanisms;            // those that act in the scene, see cement/layout/mechanisms.h
   UpdatedPass updated;              // used by `updated` kinematics only
-  int first_end = 0;                // place of the first side of the bond, see BondEnds
-  int layout = 0;                   // number of its layout among those of this rank; 0: none yet
+  int first_end = 0;                // index of the first end of the bond in BondEnds::ends
+  int layout = 0;                   // number of its layout on this rank; 0: none yet
   std::size_t laid_out_blocks = 0;  // number of point blocks that the grid has nodes for
-  bool unmoved = false;             // no point is strained and no node has moved since the layout: a step changes no point
-  bool near_threshold = false;      // nonlocal damage only, see mpm/drive_average.h
+  bool unmoved = false;             // resting: no point is strained and no node has moved since the layout; a step changes no point
+  bool near_threshold = false;      // some point is near its threshold or damage grew; nonlocal damage only
   DriveAverage average;
   std::vector<int> failed;                // slots that failed in this step, ascending
-  std::vector<int> debonded_with_points;  // links of the point store that let go with failed points, ascending
+  std::vector<int> debonded_with_points;  // links of the point store that debonded with failed points, ascending
   LinkStep link_step;                     // result of the traction law in this step
   std::vector<double> jump;               // change of the nodal velocity by transfer in this step, or empty
   std::vector<double> filtered;           // part of `jump` from before the nodes move, xpic only
 
-  // The part of a mechanism; null if it does not act.
+  // The mechanism of type P; null if it does not act in this bond.
   template <class P>
   P* mechanism() const {
     for (const std::unique_ptr<BondMechanism>& p : mechanisms)
@@ -56,8 +56,8 @@ struct Bond {
     return nullptr;
   }
   bool cut_by_ranks() const { return grid.halo.shares_any(); }
-  // Points are in two stores: those on the grid, and the columns of the film. A number that means a point of either store is
-  // its slot there, and kFilm times the number of the store more.
+  // Points are in two stores: points on the grid, and columns of the film. A slot number of the bond is the slot in the
+  // store plus kFilm times the number of the store.
   enum { kOnGrid, kColumns };
   static constexpr int kFilm = 1 << 30;
   static int slot_in_store(int slot) { return slot % kFilm; }
@@ -75,12 +75,12 @@ struct Bond {
     return r;
   }
   void release(int slot) { stores()[store_number(slot)]->release(slot_in_store(slot)); }
-  // Did the point have its slot when the bond was laid out last?
+  // Did the last layout of the bond include this slot?
   bool is_laid_out(int slot) const {
     const std::size_t blocks[] = {laid_out_blocks, film.laid_out_blocks()};
     return static_cast<std::size_t>(slot_in_store(slot)) < kLanes * blocks[store_number(slot)];
   }
-  // Calls f(slot) for the points of a store, or of both.
+  // for_each_slot_of() calls f(slot) for the points of one store, for_each_slot() for those of both.
   template <class F>
   void for_each_slot_of(int number, F f) const {
     const PointStore& store = *stores()[number];
@@ -94,10 +94,10 @@ struct Bond {
   }
   int size() const { return points.size() + film.points.size(); }
   bool changed() const { return points.changed() || film.points.changed(); }
-  // True if points of the bond are on this rank. A bond whose last point left stays until the next layout.
+  // True if this rank has points of the bond. A bond whose last point left remains until the next layout.
   bool has_points() const { return size() > 0; }
-  // Prefetch the memory of a bond that comes next. prefetch_nodes() asks for what a pass over its nodes reads out of
-  // order, which no processor foresees. prefetch_step() asks for the beginnings of what a step reads in order.
+  // Prefetch the memory of the next bond. prefetch_nodes() fetches what a pass over its nodes reads out of order, which
+  // the hardware prefetcher cannot predict. prefetch_step() fetches the beginnings of what a step reads in order.
   void prefetch_nodes() const {
     for (const std::vector<double>* v : {&grid.force, &grid.displacement}) prefetch_bytes(v->data(), sizeof(double) * v->size());
     prefetch_bytes(added.masses().data(), sizeof(AddedMass::EightMasses) * added.masses().size());
@@ -108,9 +108,9 @@ struct Bond {
       prefetch_bytes(v->data(), std::min(kBeginning, sizeof(double) * v->size()));
     for (int b = 0; b < std::min(2, static_cast<int>(points.blocks.size())); ++b) points.prefetch(b);
   }
-  // Sorts links by the slots of their points, which change while points change cells.
+  // Sorts links by the slots of their points. Slots change as points move between cells.
   void sort_links();
-  // Shares lists with other bonds that have equal ones.
+  // Shares the memory of lists with other bonds that have equal lists.
   void share(AlikeLists& alike) {
     grid.share(alike);
     added.share(alike);
@@ -127,10 +127,10 @@ struct Bond {
 class Bonds {
  public:
   std::vector<BondRecord> table;        // bonds of all ranks
-  std::vector<PointTemplate> patterns;  // patterns of bonds whose points are not made yet, the same on all ranks
+  std::vector<PointTemplate> patterns;  // templates of bonds whose points are made later, the same on all ranks
 
-  // Iterate over the bonds with points or nodes on this rank, in ascending order of their rows. Bonds stay where they are
-  // in memory while others come and go.
+  // Iterators over the bonds with points or nodes on this rank, in ascending order of their rows. The address of a bond
+  // does not change when others are added or dropped.
   using Slot = std::unique_ptr<Bond>;
   template <class B>
   class Iterator {
@@ -159,7 +159,7 @@ class Bonds {
   Iterator<const Bond> end() const { return Iterator<const Bond>(here_.data() + here_.size()); }
   std::size_t size() const { return here_.size(); }
 
-  // Range over the bonds that are resolved. Condensed bonds are left out, since their nodes and points wait.
+  // Iterator over the resolved bonds. It skips condensed bonds, whose nodes and points take no part in the step.
   template <class B>
   class Resolved {
    public:
@@ -182,7 +182,7 @@ class Bonds {
     Resolved<B> begin() const { return {bonds, places.data()}; }
     Resolved<B> end() const { return {bonds, places.data() + places.size()}; }
   };
-  // Calls f(bond, next) for all awake bonds, from the first to the last or backwards. next: the bond that follows in this
+  // Calls f(bond, next) for all resolved bonds, in ascending order or backwards. next: the bond that follows in this
   // order, or null.
   template <class F>
   void for_each_resolved(F f) {
@@ -196,22 +196,22 @@ class Bonds {
   }
   ResolvedRange<Bond> resolved() { return {here_.data(), resolved_slots()}; }
   ResolvedRange<const Bond> resolved() const { return {here_.data(), resolved_slots()}; }
-  void resolved_changed() { resolved_is_known_ = false; }  // call after changes of Body::condensed
+  void resolved_changed() { resolved_is_known_ = false; }  // call after changes of BondRecord::condensed
   bool is_resolved(const Bond& b) const { return !table[b.row].condensed; }
 
   const BondRecord& record(const Bond& b) const { return table[b.row]; }
-  // Are all points of the bond on this rank? Bonds that ranks cut are not whole.
+  // Are all points of the bond on this rank?
   bool is_whole(const Bond& b) const { return b.size() == table[b.row].points; }
   // Rows of the bonds that are not condensed, ascending, the same on all ranks.
   std::vector<int> resolved_rows() const;
-  // Rows of the bonds whose points are not made yet, ascending, the same on all ranks. pattern_of(): what they will be.
+  // Rows of the bonds whose points are not made yet, ascending, the same on all ranks. pattern_of(): their template.
   std::vector<int> rows_without_points() const;
   const PointTemplate& pattern_of(int row) const { return patterns[table[row].pattern - 1]; }
-  // Returns null if this rank has nothing of the bond.
+  // Returns null if this rank has neither points nor nodes of the bond.
   Bond* find(int bond_row);
   const Bond* find(int bond_row) const;
-  Bond& make(int bond_row);  // returns the bond if it is there already
-  // Drops all bonds without points if one of these rows is such a bond.
+  Bond& make(int bond_row);  // returns the existing bond if there is one
+  // Drops all bonds of this rank without points, if one of these rows is such a bond.
   void drop_empty(const std::vector<int>& rows);
 
   // Adds a point to its bond, and returns its slot.
@@ -220,7 +220,7 @@ class Bonds {
   std::size_t memory_usage() const;
 
  private:
-  std::vector<Slot>::const_iterator slot_of(int bond_row) const;  // where the bond is, or would be
+  std::vector<Slot>::const_iterator slot_of(int bond_row) const;  // entry of the bond, or where to insert it
   const std::vector<int>& resolved_slots() const;
 
   std::vector<Slot> here_;

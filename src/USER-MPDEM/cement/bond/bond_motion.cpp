@@ -30,7 +30,7 @@ BondMotion sums_of_motion(const Grid& grid, double kick) {
   return s;
 }
 
-// Solves M (V, omega) = what is missing. Lengths are in cells, so that the numbers are of similar size.
+// Solves M (V, omega) = missing momentum. Lengths are in cells, which makes the entries of similar size.
 void give_back_motion(Grid& grid, const BondMotion& before, const BondMotion& now) {
   if (!(now.mass > 0.0) || !(before.mass > 0.0)) return;
   const double h = grid.h;

@@ -178,7 +178,7 @@ void BondedGrains::update_kinematics(double dt, double dt_last, long step, Energ
       g.v[d] = free || d >= 3 ? grain.velocity[d] : grain.moved[d] / dt;
       const double change = g.v[d] - g.v_before[d];
       g.jump[d] = free ? 0.0 : change - (d < 3 ? since * g.a[d] : 0.0);
-      // work in the second half of the last step, beyond what was expected
+      // work in the second half of the last step, less the predicted work
       if (!free) energy.do_work(-0.5 * dt * g.load[d] * (change - 2.0 * (g.v_end[d] - g.v_before[d])));
       if (d < 3) g.a[d] = free ? 0.0 : minmod(change / since, 2.0 * (grain.velocity[d] - g.v[d]) / dt);
     }
@@ -204,7 +204,7 @@ void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, int n, 
   solve(comm, bonds, condensed);
 }
 
-// load_ has the loads of the grains.
+// The loads of the grains are in load_.
 void BondedGrains::solve(MPI_Comm comm, const Bonds& bonds, CondensedPack& condensed) {
   std::vector<GrainAccelerations::OfBond> of_bonds;
   if (!summed_)
@@ -332,7 +332,7 @@ void BondedGrains::count_loads_taken_back(double dt_last, EnergyBalance& balance
   }
 }
 
-// Bonds carry a part of the momentum on to their other grain.
+// Bonds pass a part of the momentum to their other grain.
 double BondedGrains::apply_impulse(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed) {
   load_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {
@@ -394,7 +394,7 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
   load_.assign(grains.size(), GrainAccelerations::Vector6::Zero());
   CondensedPack none;
   if (any_free_) solve(comm, bonds, none);
-  added_mass_changed();  // what was found of it leaves out condensed bonds
+  added_mass_changed();  // solve() left out condensed bonds
   for (Bond& b : bonds.resolved()) b.added.accelerate(b.grid, ends_of(b));
   ends.sum_forces();
   for (Grain& grain : grains)
@@ -502,7 +502,7 @@ EnergyBalance::StepWork BondedGrains::work(double dt_last, int first_row) const 
     if (o.row < first_row) continue;
     const BondEnd& s = ends.ends[o.at];
     const GrainState& g = *grains[o.grain].state;
-    double force[6];  // leaves out the force of impulses, whose work is that on the nodes
+    double force[6];  // without the force of impulses, whose work is counted on the nodes
     for (int d = 0; d < 6; ++d) force[d] = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d] - s.impulse[d];
     const Six f = in_box(s, force, force + 3);
     for (int d = 0; d < 6; ++d) {
@@ -518,7 +518,7 @@ EnergyBalance::StepWork BondedGrains::work_of(const CondensedPack& condensed, do
   for (std::size_t n = 0; n < grains.size(); ++n) {
     const GrainState& g = *grains[n].state;
     for (int d = 0; d < 6; ++d) {
-      // the weight is no work of the grain on the cement, but work of gravity
+      // the work of the weight is counted as work of gravity
       const double f = condensed.load(n, d) - condensed.weight(n, d) + condensed.inertial_load(n, d);
       power.now -= f * g.v_end[d];
       power.before -= f * g.v[d];

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Books of the energy of the cement. Central differences keep
+// Energy balance of the cement. Central differences conserve
 //
-//   E + dissipated + released + damped + rubbed + left - work = start,
+//   E + dissipated + released + damped + frictional + left - work = start,
 //
-// where E is the energy of strain, springs and motion. Growth of damage dissipates. Failed points, links that let go
-// and added mass that changes release. Dampers and transfers damp. Friction rubs. What leaves the scene takes its energy along. Grains, gravity and impulses of the
-// host do work on the cement. Each half step has the work of its velocity on the force at its end. The same holds for
-// dampers and for friction of crack faces. What belongs to the second half of the last step is ahead.
+// where E is strain energy, energy of springs and kinetic energy. Growth of damage dissipates. Failed points, debonded
+// links and changes of added mass release. Dampers and transfers damp. `left` is the energy of cement that left the
+// scene, and `work` that of grains, gravity and impulses of the host on the cement.
 //
-// With `mass_order 2` the energy of motion is v.M* v/2, with M* the inertia of mpm/consistent_mass.h. It is kept as the
-// energy of the lumped mass, less the work of the force by which the two differ.
+// The work of a step is that of its forces, from half a step before their time to half a step after it. Each half has
+// its own velocity. The same holds for dampers and for friction of crack faces. The `_ahead` sums are the second half
+// of the last step, and are included in the others.
+//
+// With `mass_order 2` the kinetic energy is v.M* v/2, with M* the inertia of mpm/consistent_mass.h. It is counted as
+// the energy of the lumped mass, less the work of the force by which the two differ.
 //
 // Each number is the share of this rank, in units of energy.
 #ifndef MPDEM_CEMENT_BOND_ENERGY_BALANCE_H
@@ -26,7 +29,7 @@ namespace mpdem {
 
 class EnergyBalance {
  public:
-  // What left the scene, see departures.h. momentum: in the axes of the box.
+  // Cement that left the scene, see cement/step/departures.h. momentum: in the axes of the box.
   struct Left {
     double points = 0.0, mass = 0.0, momentum[3] = {0, 0, 0}, energy = 0.0;
 
@@ -59,8 +62,7 @@ class EnergyBalance {
       visit.part(s.left);
     }
   };
-  // Work of a step with the forces of this time. now: with the velocities of this time. before: with those of half a
-  // step before.
+  // Work of a step with the present forces. now: with the present velocities. before: with those of half a step before.
   struct StepWork {
     double now = 0.0, before = 0.0;
   };
@@ -78,7 +80,7 @@ class EnergyBalance {
     sums_.left.energy += l.energy;
   }
 
-  // Books as released what `action` takes of `energy()`. damp_by() books it as damped.
+  // Counts the decrease of energy() by `action` as released. damp_by() counts it as damped.
   template <class Energy, class Action>
   void release_by(Energy energy, Action action) {
     const double before = energy();
@@ -92,22 +94,22 @@ class EnergyBalance {
     damp(before - energy());
   }
 
-  // Books what dampers and the friction of crack faces take in a step. Call as soon as its accelerations are known.
+  // Counts the work of dampers and of friction of crack faces in a step. Call as soon as its accelerations are known.
   void end_step_of_dampers(const StepWork& damped, const StepWork& frictional) {
     sums_.damped += damped.now;
     sums_.damped_ahead = damped.now - 0.5 * damped.before;
     sums_.frictional += frictional.now;
     sums_.frictional_ahead = frictional.now - 0.5 * frictional.before;
   }
-  // Books the work at the end of a step. The second half of the step is work ahead.
+  // Counts the work of a step at its end. The second half of the step is work ahead.
   void end_step(const StepWork& w, const StepWork& inertial) {
     sums_.work += w.now;
     sums_.work_ahead = w.now - 0.5 * w.before;
     sums_.inertial_work += inertial.now;
     sums_.inertial_work_ahead = inertial.now - 0.5 * inertial.before;
   }
-  // Books that cement is set in motion. energy_of_all: its energy, of all ranks. The other numbers give the work of its
-  // first half step, and what dampers take in it.
+  // Counts new cement. energy_of_all: its energy, of all ranks. The other arguments give the work of its first half
+  // step, and the energy that dampers take in it.
   void start(double energy_of_all, const StepWork& w, const StepWork& inertial, double damped_ahead) {
     sums_.work += w.now - 0.5 * w.before;
     sums_.work_ahead += w.now - 0.5 * w.before;
@@ -119,8 +121,8 @@ class EnergyBalance {
   }
 
   const Sums& sums() const { return sums_; }
-  // Collective. Returns sums over all ranks, and leaves them to the first. Books that are read from a restart file begin
-  // so. The rank that adds what changes the last digits, so a run that goes on has to do the same.
+  // Collective. Returns sums over all ranks, and moves them to the first rank. Sums read from a restart file are there.
+  // The run that wrote it must continue likewise, since the order of additions affects rounding.
   Sums gather_on_first(MPI_Comm comm) {
     double numbers[kMostNumbers<Sums>];
     pack(sums_, numbers);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The Lagrangian formulation, total or updated, as far as the parts of the engine have to know of it: do points stay in
-// the cells of their grid, do they give their velocity to nodes, and what becomes of the nodes between pieces of a bond.
-// The choice holds for all bonds, and for as long as there is cement. The class Kinematics takes the step, and this one
-// makes it.
+// Interface of the Lagrangian formulations, total and updated, for the rest of the engine: whether points remain in the
+// cells of their grid, whether they give their velocity to nodes, and what separates the nodes of two pieces of a bond.
+// All bonds have the same formulation, for as long as there is cement. It makes the object of class Kinematics that
+// takes the step.
 //
-// The answers of this class are those of `total`: points stay in the cells where they were made. The classes are in
-// step/formulations.cpp.
+// The defaults are those of `kinematics total`: points remain in the cells where they were made. The subclasses are in
+// cement/step/formulations.cpp.
 #ifndef MPDEM_CEMENT_BOND_FORMULATION_H
 #define MPDEM_CEMENT_BOND_FORMULATION_H
 
@@ -27,30 +27,30 @@ class Formulation {
   virtual ~Formulation() = default;
 
   virtual std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const = 0;
-  // What keeps the nodes of pieces of a bond apart.
+  // Makes the object that separates the nodes of the pieces of a bond.
   virtual std::unique_ptr<NodeSplitting> splits() const = 0;
 
-  // Largest dt^2 lambda of a step with lumped mass, and lambda the largest eigenvalue. For a mode that a transfer
-  // removes altogether, it is half of what the central difference allows.
+  // Largest stable dt^2 lambda with lumped mass, where lambda is the largest eigenvalue. For modes that a transfer
+  // removes completely it is half of the limit of central differences.
   virtual double stability_limit() const { return 4.0; }
-  // Returns the bound of the eigenvalue if it alone holds for the steps to come, else 0.
+  // Returns `bound` if only this upper bound of the eigenvalue stays valid in later steps, else 0.
   virtual double lasting_eigenvalue(double /* bound */) const { return 0.0; }
 
-  // Number of cells around those with points for which a grid has nodes.
+  // Width in cells of the margin around cells with points that also gets nodes.
   virtual int margin() const { return 0; }
-  // May a block have points of several cells in a row?
+  // True if a block may have points of several cells in a row.
   virtual bool joins_cells() const { return true; }
-  // Does a bond have to be laid out after an exchange?
+  // True if a bond needs a new layout after its atoms were exchanged between ranks.
   virtual bool needs_layout(const Bond& b) const { return b.changed(); }
   // Call after the layout of a bond.
   virtual void follow_layout(Bond& b) const { b.average.let_points_stand(true); }
-  // Call when the nodes of a new bond have their velocity.
+  // Call once the nodes of a new bond have their velocity.
   virtual void start(Bond&) const {}
-  // Sorts links by the slots of their points. Returns whether points may have other slots than those that the host knows.
+  // Sorts links by the slots of their points. Returns true if the host may not know the present slots of points.
   virtual bool sort_links(Bond&) const { return false; }
-  // Shares lists of a bond with those that have equal ones, for as long as they stay.
+  // Shares the memory of lists of a bond with bonds that have equal lists, unless the lists change as points move.
   virtual void share(Bond& b, AlikeLists& alike) const { b.share(alike); }
-  // Call when links lost their inertia in the course of a run. Leaves them out as a new layout does.
+  // Call when links lost their inertia in a run. Removes them, as a new layout would.
   virtual void remove_dropped(Bond& b, const BondRecord& record) const { b.links.remove_dropped(b.points, record); }
 };
 

@@ -16,7 +16,7 @@ void add_points(const PointStore& points_of, const L& law, bool with_energy, Poi
   constexpr std::size_t kAhead = 8;
   const std::size_t n = points_of.blocks.size();
   for (std::size_t b = 0; b < n; ++b) {
-    // Without energies one cache line of each block is read, so this is cheap in every step.
+    // Without energies, only one cache line of each block is read. That is cheap enough for every step.
     if (with_energy && b + 1 < n) points_of.prefetch(static_cast<int>(b) + 1);
     if (!with_energy && b + kAhead < n) __builtin_prefetch(&points_of.blocks[b + kAhead].volume);
     const PointBlock& p = points_of.blocks[b];

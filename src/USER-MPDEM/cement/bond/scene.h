@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Scene holds what the parts of the cement share and none of them owns: bonds and grains, how they are computed, the
-// clock, and the books of energy. Whoever changes energy writes it down in the books. Cement has the scene and gives it
-// to its parts by reference. Parts that only look have it as const.
+// Scene has the data that the classes of the engine share: bonds and grains, options and laws, the clock, and the
+// energy balance. Code that changes energy counts it there. Cement owns the scene and gives it to the other classes by
+// reference, as const where they only read it.
 //
-// Consistent units. Functions that say so are collective.
+// Units are consistent.
 #ifndef MPDEM_CEMENT_BOND_SCENE_H
 #define MPDEM_CEMENT_BOND_SCENE_H
 
@@ -29,42 +29,42 @@
 
 namespace mpdem {
 
-// Interface by which the engine asks its host. Calls are rare.
+// Interface by which the engine calls its host. Calls are rare.
 class CementHost {
  public:
   virtual ~CementHost() = default;
-  // Velocity of a point of this rank that has not moved yet, by its tag.
+  // Initial velocity of a point of this rank, by its tag.
   virtual std::array<double, 3> initial_velocity(int tag) = 0;
-  // Points of a bond failed in this step, see Bond::failed. Called before they get other slots.
+  // Points of a bond failed in this step, see Bond::failed. Called before their slots change.
   virtual void points_failed(const Bond& bond) = 0;
   // Columns of the film of a bond failed in this step, see Film::failed.
   virtual void film_failed(const Bond& /* bond */) {}
-  // Links of a bond let go of points that did not fail, see Bond::link_step.
+  // Links of a bond debonded from points that did not fail, see Bond::link_step.
   virtual void links_debonded(const Bond& bond) = 0;
   // Slots of points of a bond changed.
   virtual void slots_changed(const Bond& bond) = 0;
-  // Adds forces from outside, or holds nodes. All forces of a step are on the nodes then, those of tied nodes on their
-  // masters. The books of energy do not know what is added here. Ranks that share a node have to do the same to it.
+  // Adds external forces to nodes, or fixes nodes. All other forces of the step are on the nodes already, those of
+  // constrained nodes on their masters. The energy balance does not count this. Ranks must treat shared nodes alike.
   virtual void add_node_forces(Bond&) {}
 };
 
-// The clock of a step, and what acts everywhere.
+// The clock of a step, and gravity.
 struct StepInput {
   std::int64_t number = 0;  // number of this step
-  double dt = 0;            // time step; with sub-steps the length of one of them
+  double dt = 0;            // time step; with sub-steps, the length of one
   int substeps = 1;         // number of sub-steps that the cement takes in a step of the host
   double gravity[3] = {0, 0, 0};
 };
 
 struct Scene {
-  static constexpr int kWatchEvery = 5;  // steps of the cement between looks at bonds that may have come apart, and at places that let go
+  static constexpr int kWatchEvery = 5;  // steps of the cement between two checks for separation, and between remappings of contact points
 
   const OwnComm comm;
   CementOptions options;
   const std::unique_ptr<const Formulation> formulation;
   std::shared_ptr<const Law> law;
   std::optional<PenaltyParameters> penalty;  // parameters of the links; none: no links
-  double inertia = 0.0;                      // density of the calcite with the mass scale
+  double inertia = 0.0;                      // density of the calcite times the mass scale
   BondedGrains grains;
   EnergyBalance energy;
   StepTimer timer;
@@ -72,15 +72,15 @@ struct Scene {
   StepInput now;
   int substep = 1;        // number of the sub-step, counted from 1
   double dt_last = 0.0;   // length of the last step; stored velocities belong to its middle
-  int rows_started = 0;   // number of rows at the head of the table that have moved; later rows are where they were made
-  bool laid_out = false;  // bonds have a layout, and grains their sides
+  int rows_started = 0;   // number of rows at the head of the table that have moved; later rows are still as made
+  bool laid_out = false;  // bonds have a layout, and grains the ends of their bonds
 
   Scene(MPI_Comm comm_of_all, Bonds& of_host, CementHost& asked, const CementOptions& words, std::unique_ptr<const Formulation> of_bonds,
         std::shared_ptr<const Law> of_points)
       : comm(comm_of_all), options(words), formulation(std::move(of_bonds)), law(std::move(of_points)), bonds_(of_host), host_(asked) {}
-  Scene(const Scene&) = delete;  // parts refer to it
+  Scene(const Scene&) = delete;  // other objects refer to it
 
-  // A scene that is const has const bonds, and calls no host. So what only looks cannot change them.
+  // A const scene has const bonds, and no access to the host.
   Bonds& bonds() { return bonds_; }
   const Bonds& bonds() const { return bonds_; }
   CementHost& host() { return host_; }
@@ -88,20 +88,20 @@ struct Scene {
   // Is this the first, or the last, of the sub-steps of a step of the host?
   bool begins_step() const { return substep == 1; }
   bool ends_step() const { return substep == now.substeps; }
-  // The time from the middle of the last step to that of this one.
+  // Time from the middle of the last step to the middle of this one.
   double kick() const { return 0.5 * (dt_last + now.dt); }
-  // Steps of the host between two looks, which come with the first sub-step.
+  // Steps of the host between two of these checks, which are in the first sub-step.
   int watch_every() const { return std::max(1, kWatchEvery / now.substeps); }
   bool is_watch_step() const { return begins_step() && (now.number - 1) % watch_every() == 0; }
 
   double density() const { return inertia / options.mass_scale; }
   bool leaves_residue() const { return penalty && penalty->law->leaves_residue(); }
-  // Can points fail, or links let go?
+  // Can points fail, or links debond?
   bool can_break() const { return penalty && !(law->inert() && penalty->law->fields() == 0); }
-  // Do places that let go still touch? Do faces of cracks touch?
+  // touches(): do debonded surfaces keep contact with the grains? faces_touch(): do crack faces have contact?
   double friction() const { return penalty ? std::max(penalty->friction, 0.0) : 0.0; }
   bool touches() const { return penalty && penalty->friction >= 0.0; }
-  // Do places that let go move on to other points in this step?
+  // Are contact points mapped to other material points in this step?
   bool contacts_move() const { return touches() && is_watch_step(); }
   bool faces_touch() const { return touches() && options.split; }
 
@@ -112,11 +112,11 @@ struct Scene {
   double shear_speed() const;
   // Largest dt^2 lambda of a stable step.
   double stability_limit() const { return formulation->stability_limit() / options.mass_order; }
-  // Bound of the largest eigenvalue of cement without ties; 0: none.
+  // Upper bound of the largest eigenvalue of cement without constrained nodes; 0: none.
   double eigenvalue_bound() const;
 
   std::vector<int> all_rows() const;
-  // Collective. Returns the rows that some rank names, ascending.
+  // Collective. Returns the union of the rows of all ranks, ascending.
   std::vector<int> agreed_rows(const std::vector<int>& mine) const;
 
  private:

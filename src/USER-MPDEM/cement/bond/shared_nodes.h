@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Sums numbers of nodes that ranks share, for all bonds that are awake, by one message to each rank. Numbers are in the
-// units of the nodes.
+// Sums nodal values over the ranks that share nodes, for all resolved bonds, with one message to each of these ranks.
+// Values are in the units of the nodes.
 #ifndef MPDEM_CEMENT_BOND_SHARED_NODES_H
 #define MPDEM_CEMENT_BOND_SHARED_NODES_H
 
@@ -17,13 +17,13 @@ class SharedNodes {
  public:
   explicit SharedNodes(Scene& scene) : scene_(scene) {}
 
-  // Collective. Call after a layout, or when bonds wake or are condensed.
+  // Collective. Call after a layout, or when bonds are activated or condensed.
   void bind();
-  // Collective. Sums numbers of the nodes, `width` a node, of all bonds that ranks cut.
+  // Collective. Sums nodal values, `width` per node, of all resolved bonds that several ranks share.
   void sum(double* (*values)(Bond&), int width);
-  // Awake bonds of this rank that others cut, too, ascending.
+  // Resolved bonds of this rank whose nodes other ranks share, ascending in row.
   const std::vector<Bond*>& cut_bonds() const { return cut_bonds_; }
-  // Do ranks cut any bond, on any rank? Known with nonlocal damage only.
+  // Is any resolved bond of the scene shared by ranks? Known with nonlocal damage only.
   bool any_bond_is_cut() const { return any_bond_is_cut_; }
 
  private:

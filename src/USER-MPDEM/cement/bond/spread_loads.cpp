@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Finds what of the load F of the host acts in each sub-step of its next step, see substeps.cpp: a mean S of F over the
-// steps before. Any S leaves the impulse of F and its moment as they are. Means that lag behind a load that swings feed
-// energy into it, so they have to be slow. Means that lag behind a load that changes for good have to be fast, since
-// what S lacks acts in kicks. With e = F - S, and <> an average over some ten steps, the share
+// Finds which share of the load F of the host acts in each sub-step of its next step, see cement/step/substeps.cpp: a
+// mean S of F over the steps before. Any S conserves the impulse of F and its moment. For an oscillating load the means
+// must be slow, since a mean that lags behind it feeds energy into the oscillation. For a permanent change they must be
+// fast, since F - S acts in kicks. With e = F - S, and <> an average over some ten steps, the ratio
 //
 //   |<e>|^2 / <|e|^2>
 //
-// is next to 0 for a swing and 1 for a change. The larger it is, the faster are the means. Torques count divided by the
-// radius.
+// is near 0 for an oscillation and near 1 for a permanent change. The means are faster where it is larger. Torques are
+// divided by the radius.
 #include <cmath>
 
 #include "bonded_grains.h"
@@ -19,9 +19,9 @@ namespace mpdem {
 namespace {
 constexpr double kWeight = 0.1;              // weight of the last load in <>
 constexpr double kSlow = 0.02, kFast = 0.5;  // weight of the last load in a mean
-constexpr double kSwing = 0.5;               // a load whose share is below this swings
+constexpr double kSwing = 0.5;               // below this ratio the load oscillates
 
-// Brings the differences between loads and means up to date. Returns the weight of the last load in a mean.
+// Updates the averages <e> and <|e|^2> of a grain. Returns the weight of the last load in a mean.
 double weight_of_last(const double* load, double radius, GrainState& s) {
   double squared = 0.0, of_mean = 0.0;
   for (int d = 0; d < 6; ++d) {
@@ -98,7 +98,7 @@ void BondedGrains::react(double dt, int n, EnergyBalance& energy, const Condense
     const Six impulse = in_box(s, s.impulse, s.impulse + 3);
     for (int d = 0; d < 6; ++d) {
       grains[o.grain].load_of_other_substeps[d] += (1.0 - 1.0 / n) * impulse[d];
-      grains[o.grain].state->load[d] -= impulse[d];  // the work of the impulse is that on the nodes
+      grains[o.grain].state->load[d] -= impulse[d];  // its work is counted on the nodes
     }
   }
 }

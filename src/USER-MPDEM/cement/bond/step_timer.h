@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Wall time of the phases of a step on this rank, and CPU time of all of them. On a busy machine the CPU time is the
-// time that the step would take alone.
+// Wall time of each phase of a step on this rank, and CPU time of all phases together, in seconds. On a busy machine
+// the CPU time is what the step would take on an idle one.
 #ifndef MPDEM_CEMENT_BOND_STEP_TIMER_H
 #define MPDEM_CEMENT_BOND_STEP_TIMER_H
 
@@ -17,7 +17,7 @@ class StepTimer {
  public:
   enum Phase { kPoints, kNodes, kHalo, kCoupling, kLayout, kOutput, kPhases };
 
-  // Counts what follows for `phase` until the next call. stop() ends the count.
+  // Assigns the time until the next call to `phase`. stop() ends this.
   void start(Phase phase) {
     const double t = MPI_Wtime();
     if (running_ >= 0) seconds_[running_] += t - since_;
@@ -40,7 +40,7 @@ class StepTimer {
   double cpu_seconds() const { return cpu_seconds_; }
 
  private:
-  // Asks the kernel, which takes longer than MPI_Wtime(). So it is called only where the step begins and ends.
+  // A system call, slower than MPI_Wtime(). So it is made only where the step begins and ends.
   static double cpu_now() {
     timespec t;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);

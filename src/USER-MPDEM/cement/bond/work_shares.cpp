@@ -35,7 +35,7 @@ std::vector<BondMove> rebalance(const std::vector<SubdomainIndex>& bricks, std::
     const int from = static_cast<int>(std::max_element(work.begin(), work.end()) - work.begin());
     MovableBond* best = nullptr;
     int to = from;
-    double most = 0.0;  // how much the larger work of both ranks falls
+    double most = 0.0;  // decrease of the larger work of the two ranks
     for (MovableBond& b : bonds) {
       if (b.rank != from) continue;
       for (std::size_t rank = 0; rank < work.size(); ++rank) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Goes between a condensed bond and a resolved one: what nodes and points have by the static fields, and whether an
-// awake bond follows these fields.
+// Transitions between condensed and resolved bonds: the state of nodes and points by the static fields, and the check
+// whether a resolved bond follows these fields.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
-constexpr double kChange = 1e-3;  // share of what the bond has at its threshold
+constexpr double kChange = 1e-3;  // allowed change, as a share of the value at the threshold
 
 }  // namespace
 
@@ -45,7 +45,7 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Bond
   for (int i = 0; i < bond.grid.size(); ++i) {
     const Vector3 X = position_of(bond.grid, i), Y = X - middle;
     const Eigen::Matrix<double, 3, 6> u = fields_at(m.solution->fields, i);
-    const Vector3 y = Y + u * d - rigid(half, Y);  // the axes go with half of the relative motion
+    const Vector3 y = Y + u * d - rigid(half, Y);  // the axes Q follow half of the relative motion
     const auto field = [&](const CondensedMotion::Vector12& q) {
       const CondensedMotion::Vector6 first = q.head<6>(), second = q.tail<6>();
       return Vector3(rigid(first, y) + u * (second - first));
@@ -131,8 +131,8 @@ void CondensedBonds::activate(MPI_Comm comm, int bond_row, Bond* bond, const Bon
   if (of_bond != MPI_COMM_NULL) equilibrate(of_bond, bond, row, along.data(), law);
 }
 
-// The fields are linear. Forces that are left are of the order of the strain, but links are stiff. A step of Newton's
-// method takes these forces away.
+// The static fields are linear. Their errors are of the order of the strain, but links are stiff, so nodal forces
+// remain. Newton steps remove them.
 void CondensedBonds::equilibrate(MPI_Comm comm, Bond* bond, const BondRecord& record, const double* gravity, const Law& law) const {
   constexpr int kIterations = 2;
   for (int k = 0; k < kIterations; ++k) {
@@ -142,7 +142,7 @@ void CondensedBonds::equilibrate(MPI_Comm comm, Bond* bond, const BondRecord& re
     }
     Grid& grid = bond->grid;
     std::array<BondEnd, 2> ends = pack_.ends(member_of(bond->row), record);
-    for (BondEnd& s : ends)  // so that dampers do not act
+    for (BondEnd& s : ends)  // without velocity dampers exert no force
       for (int d = 0; d < 3; ++d) s.v[d] = s.omega[d] = 0.0;
     std::vector<double> velocity(grid.velocity.size(), 0.0);
     velocity.swap(grid.velocity);
@@ -156,7 +156,7 @@ void CondensedBonds::equilibrate(MPI_Comm comm, Bond* bond, const BondRecord& re
     const StaticSystem system{bond->points, grid, bond->links, ends.data(), record, law, bond->film};
     grid.velocity = static_displacement(comm, &system, grid.force);
     AdvanceOptions options;
-    options.nonlocal = true;  // without averages no damage grows
+    options.nonlocal = true;  // nonlocal without averages: no damage grows
     grid.drive_average.clear();
     AdvanceResult result;
     grid.clear_force();
@@ -186,7 +186,7 @@ bool CondensedBonds::matches_static_solution(const Bond& resolved, const BondRec
     try {
       c.solution = solved(MPI_COMM_SELF, &still, record, law, kMostStepsOfCandidate);
     } catch (const BadState&) {
-      // nearly apart: no static field to go by until its damage changes
+      // almost separated: not condensed until its damage changes
     }
   }
   if (!c.solution) return false;
@@ -213,7 +213,7 @@ bool CondensedBonds::matches_static_solution(const Bond& resolved, const BondRec
 bool CondensedBonds::pieces_rest(Bond& resolved, const BondRecord& record, const BondEnd* ends, double energy,
                                  const LoadHistory::Largest& largest, const double* gravity, double dt_last, const Law& law) {
   if (loose_points(resolved.points) >= kLeastLoose) return false;
-  // Dust bears no load, and may be in flight.
+  // Fragments carry no load, and may be in free flight.
   const std::vector<signed char> holding = grains_that_hold_nodes(resolved);
   energy -= energy_of_fragments(resolved, holding, law, dt_last);
   const std::vector<CondensedModel> models = models_of_pieces(resolved, holding, frame_of(record, EndsAtCreation(record).ends).middle);

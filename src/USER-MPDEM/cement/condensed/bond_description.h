@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Describes all that the static stiffness of a bond depends on, except the law and the cell. Numbers are rounded so
-// that equal bonds in other places have equal descriptions. A description has about forty numbers of 8 bytes a point.
-// It is made, compared and dropped.
+// A list of all numbers on which the static stiffness of a bond depends, except the law and the cell size. Bonds with
+// equal descriptions share one static solution. Numbers are rounded, so that equal bonds at different positions have
+// equal descriptions. A description takes about forty numbers of 8 bytes a point, so only its hash is kept.
 #ifndef MPDEM_CEMENT_CONDENSED_BOND_DESCRIPTION_H
 #define MPDEM_CEMENT_CONDENSED_BOND_DESCRIPTION_H
 
@@ -19,7 +19,7 @@
 
 namespace mpdem {
 
-// The sides of a bond at its creation.
+// The grain ends of a bond at its creation.
 struct EndsAtCreation {
   BondEnd ends[2] = {};
   explicit EndsAtCreation(const BondRecord& record) {
@@ -32,14 +32,14 @@ struct EndsAtCreation {
 
 class BondDescription {
  public:
-  // side: first side of the bond, followed by the second.
+  // ends: both grain ends of the bond.
   BondDescription(const PointStore& points, const PointStore& film, const Grid& grid, const BondRecord& record, const BondEnd* ends) {
     const double h = grid.h;
     for (int s = 0; s < 2; ++s) {
       add(&record.radius[s], 1, h);
       add(record.centre[s], 3, h);
       add(ends[s].x, 3, h);
-      // the rotation since the creation, since the orientation at the creation does not matter
+      // only the rotation since creation matters, not the orientation at creation
       add(product(ends[s].R, transpose(rotation_of(record.orientation[s]))).a[0], 9, 1.0);
     }
     add(grid.displacement.data(), grid.displacement.size(), h);
@@ -75,7 +75,7 @@ class BondDescription {
       numbers_.push_back(k.attached + 2 * (k.grain == record.grain[1]));
     }
   }
-  static constexpr double kAlike = 1e-9;  // share of a cell, or of a number without unit, to which numbers are rounded
+  static constexpr double kAlike = 1e-9;  // rounding unit of dimensionless numbers; lengths are divided by the cell size
   void add(const double* values, std::size_t count, double unit) {
     for (std::size_t i = 0; i < count; ++i) numbers_.push_back(std::nearbyint(values[i] / (kAlike * unit)) + 0.0);
   }

@@ -22,29 +22,28 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-// The bound is that of whole material. For damaged material it is raised by this factor. It only says when points are
-// looked at.
+// Factor on the bound, which is that of undamaged material, for damaged material. The bound only decides when points
+// are examined.
 constexpr double kDriveOfDamaged = 10.0;
 
 BondDescription described(const Bond& b, const BondRecord& record) {
   return BondDescription(b.points, b.film.points, b.grid, record, EndsAtCreation(record).ends);
 }
 
-// Nodes at the rim that hold next to nothing may be far off in the static fields. Their masses weigh in with these
-// motions, and the bond seems to be far too heavy. Where all of a bond moves about as its grains do, either grain has a
-// third of its mass. Stiffness, and strains of points, do not depend on such nodes. So a bond may be heavy as long as
-// its grains do not feel it: it may have kHeaviest times its mass, or the share kOfGrain of the mass of a grain as
-// dense as the cement.
+// Nodes at the edge with almost no stiffness may have large errors in the static fields. Stiffness and strain do not
+// depend on them, but with their masses the bond gets too large an inertia. If all of a bond moves about as its grains,
+// each grain has a third of its mass. A larger inertia is harmless while it is small against the grains: it may be
+// kHeaviest times the mass of the bond, or the share kOfGrain of the mass of a grain with the density of the cement.
 constexpr double kHeaviest = 2.0, kOfGrain = 0.05;
 bool is_too_heavy(const CondensedModel& model, const BondRecord& record) {
   const auto trace = [&](int i, int j) { return model.M.block<3, 3>(i, j).trace(); };
-  const double mass = trace(0, 0) + trace(6, 6) + 2.0 * trace(0, 6);  // mass when both grains move alike
+  const double mass = trace(0, 0) + trace(6, 6) + 2.0 * trace(0, 6);  // mass of the bond: both grains move alike
   const double grain =
-      4.0 / 3.0 * M_PI * std::pow(std::min(record.radius[0], record.radius[1]), 3) / record.volume;  // over that of the bond
+      4.0 / 3.0 * M_PI * std::pow(std::min(record.radius[0], record.radius[1]), 3) / record.volume;  // volume over that of the bond
   return !(std::max(trace(0, 0), trace(6, 6)) <= std::max(kHeaviest, kOfGrain * grain) * mass);
 }
 
-// Hash of the parameters on which every solution depends.
+// Hash of the parameters on which all solutions depend.
 std::size_t hash_of_run(const PenaltyParameters& links, double inertia) {
   std::size_t hash = 0;
   for (double number : {links.law->stiffness().kn, links.law->stiffness().kt, static_cast<double>(links.at_surface), inertia})
@@ -52,8 +51,8 @@ std::size_t hash_of_run(const PenaltyParameters& links, double inertia) {
   return hash;
 }
 
-// Nodes may hold by next to nothing where points failed, or where edges are free. Such a bond has its fields soon, or
-// is not condensed. A bond that is condensed already is solved again with the full number of steps.
+// Nodes may have almost no stiffness beside failed points and at edges without constrained nodes. Such a bond has to
+// converge soon, or it stays resolved. A bond that was condensed before has the full number of steps.
 struct Rim {
   int failed = 0, ties = 0;
   explicit Rim(const Bond* b) : failed(b && b->points.any_failed()), ties(b ? static_cast<int>(b->grid.ties.size()) : 0) {}
@@ -125,7 +124,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   return s;
 }
 
-// Nothing holds the pieces back, and nothing strains them.
+// Pieces have no stiffness and no strain.
 std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::of_pieces(MPI_Comm comm, Bond* b, const BondRecord& record,
                                                                           const Law& law) {
   auto s = std::make_shared<Solution>();
@@ -157,7 +156,7 @@ bool CondensedBonds::solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& 
       if (record.in_motion) throw;
       return false;
     }
-    if (rank_in(comm) == 0) ++solved_last_;  // all ranks solve it
+    if (rank_in(comm) == 0) ++solved_last_;  // all ranks solve it together
   }
   if (b) solutions_[row] = std::move(s);
   return true;
@@ -173,7 +172,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
   std::unordered_multimap<std::size_t, Known> known;
   for (const auto& p : patterns_) known.emplace(p.second.described, Known{&p.second.of.bond, &p.second.of.record, p.second.solution});
   std::vector<char> cut(rows.size(), 0), solved_already(rows.size(), 1);
-  std::vector<int> without;  // rows without a field
+  std::vector<int> without;  // rows that did not converge
   std::string trouble;
   const std::size_t of_all = hash_of_run(links, inertia);
   for (std::size_t n = 0; n < rows.size(); ++n) {
@@ -184,7 +183,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
       described_.erase(row);
       continue;
     }
-    // Halves of a bond that came apart share no nodes, and may be on two ranks.
+    // not by shared nodes: the pieces of a separated bond share none, and may be on two ranks
     cut[n] = !bonds.is_whole(*b);
     const BondDescription mine = described(*b, bonds.table[row]);
     const std::size_t hash = mine.hash() ^ of_all;
@@ -264,7 +263,7 @@ void CondensedBonds::take_patterns(MPI_Comm comm, std::vector<OfPattern> laid_ou
   for (auto& p : patterns_) p.second.of.counts = first[p.first - 1] == me;
 }
 
-// The model of a bond goes to all ranks that have a grain of it.
+// Sends the model of each bond to all ranks that have a grain of it.
 void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains) {
   const int me = rank_in(comm);
   std::vector<int> owner(bonds.table.size(), std::numeric_limits<int>::max());
@@ -462,9 +461,9 @@ std::array<BondEnd, 2> CondensedBonds::loaded_ends_of_member(std::size_t member,
   return ends;
 }
 
-// A piece loads the first side of its part.
+// A piece has its loads on the first of its ends.
 std::array<BondEnd, 2> CondensedBonds::loaded_ends(int bond_row, const Bonds& bonds, const double* gravity) const {
-  std::array<BondEnd, 2> ends{};  // that of a piece whose grain left has no load
+  std::array<BondEnd, 2> ends{};  // the end of a piece whose grain left has no load
   each_member_of(bond_row, [&](std::size_t member) {
     const auto of_member = loaded_ends_of_member(member, bonds, gravity);
     const int piece = members_[member].piece;
@@ -478,7 +477,7 @@ std::array<BondEnd, 2> CondensedBonds::loaded_ends(int bond_row, const Bonds& bo
   return ends;
 }
 
-// The pack already has the loads of all bonds together, summed by grain.
+// For all bonds together the pack has the loads already, summed by grain.
 EnergyBalance::StepWork CondensedBonds::work(const BondedGrains& grains, const Bonds& bonds, const double* gravity, double dt_last,
                                              int first_row) const {
   if (!any()) return {};
@@ -551,16 +550,16 @@ double CondensedBonds::largest_root(Bond& b, const BondRecord& record, int membe
   show_strain(b, member);
   const double of_film = largest_root_of_drive(b.film.points, law, nullptr);
   if (!options.advance.nonlocal) return std::max(of_film, largest_root_of_drive(b.points, law, nullptr));
-  DriveAverage average;  // a bond that stays condensed keeps no lists for it
+  DriveAverage average;  // temporary: a condensed bond keeps no lists for it
   average.find(b.points, b.grid, law, sweeps_for(options.length, options.cell, options.basis), {&record, options.imperfection});
   const double root = largest_root_of_drive(b.points, law, &b.grid);
   b.grid.drive_average.clear();
   return std::max(of_film, root);
 }
 
-// The bound is by norms, and may be some times the root itself. So points are looked at when the bound says that they
-// might be due. They are looked at again when a change of the motion might have made them due. So the step in which a
-// bond wakes does not depend on when it was looked at.
+// The bound uses norms of the strain, and may be several times the root itself. Points are examined when the bound
+// reaches the level of activation, and again when the motion has changed by the margin of the last examination. So the
+// step of activation does not depend on when points were examined.
 std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options, const Law& law, std::vector<int>& together) {
   const double times = options.advance.nonlocal ? bound_of_averages(law) : 1.0, wakes = root_of_share(law, options.wake) / times;
   std::vector<int> rows;
@@ -604,7 +603,7 @@ void CondensedBonds::forget_candidates_but(const Bonds& bonds) {
 
 std::size_t CondensedBonds::memory_usage() const {
   std::size_t bytes = members_.capacity() * sizeof(Member) + pack_.memory_usage();
-  std::set<const Solution*> solutions;  // bonds share them
+  std::set<const Solution*> solutions;  // shared by bonds
   for (const auto& p : patterns_) {
     bytes += p.second.of.bond.memory_usage();
     solutions.insert(p.second.solution.get());

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodes of a condensed bond: their places at the creation, and the six static fields there.
+// Position of a node at creation in bond coordinates, and the six static fields there: row = component, column =
+// motion.
 #ifndef MPDEM_CEMENT_CONDENSED_CONDENSED_FIELDS_H
 #define MPDEM_CEMENT_CONDENSED_CONDENSED_FIELDS_H
 

@@ -92,7 +92,7 @@ Eigen::Matrix<double, 6, 1> momentum_of_node(const Grid& grid, int node, const C
 
 namespace {
 
-// Calls f(s, motion, sides), which returns the twelve numbers of piece s.
+// Calls f(s, motion, ends), which returns the twelve generalized loads of piece s.
 template <class F>
 GrainLoads loads_of_pieces(const std::vector<CondensedModel>& models, const BondRecord& record, const BondEnd* ends, F f) {
   GrainLoads loads;

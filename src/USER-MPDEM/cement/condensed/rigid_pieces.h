@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A bond that came apart and is condensed: what holds to a grain is a rigid piece of it. The piece has the mass, the
-// weight and the inertia of its nodes. It has no other force, for any motion of the two grains. It is a condensed bond
-// (coupling/condensed_bond.h) between its grain and the same grain once more,
+// A separated bond that is condensed: the cement attached to each grain moves as a rigid piece with it. The piece has
+// the mass, weight and inertia of its nodes, and no other force for any motion of the two grains. It is modelled as a
+// condensed bond (coupling/condensed_bond.h) whose two ends are the same grain,
 //
 //   d = 0,   K = 0,   q = (w_0, omega_0, w_0, omega_0),   M_00 = sum m P^T P,   all other blocks zero.
 //
-// So loads, masses, energy and ranks are handled as for the other condensed bonds.
+// So loads, masses, energy and communication are those of other condensed bonds.
 //
-// Dust is points that failed and points that hold to no grain. It goes with the piece whose nodes it has, or with the
-// nearer grain. A bond with kLeastLoose (fracture/separation.h) or more points that hold to no grain stays as it is,
+// Failed points and fragments (intact points attached to no grain) belong to the piece with which they share nodes, or
+// to the nearer grain. A bond with kLeastLoose (fracture/separation.h) or more points in fragments stays resolved,
 // since a loose piece follows no grain.
 #ifndef MPDEM_CEMENT_CONDENSED_RIGID_PIECES_H
 #define MPDEM_CEMENT_CONDENSED_RIGID_PIECES_H
@@ -25,33 +25,33 @@
 
 namespace mpdem {
 
-// The body as its piece on grain s sees it: both grains are that grain.
+// The record of the piece on grain s of the bond: both of its grains are that grain.
 BondRecord record_of_piece(const BondRecord& record, int s);
-// Both sides of a piece.
+// Both ends of a piece.
 std::array<BondEnd, 2> loaded_ends_of_piece(const BondEnd& end);
 
-// Number of points of this rank that did not fail and hold to no grain. The bond came apart.
+// Number of points in fragments on this rank. The bond must be separated.
 int loose_points(const PointStore& points);
 
-// Energy of dust: energy of the motion of nodes that are -1 in `holding`, and of the strain of points that hold to no
-// grain.
+// Energy of fragments: kinetic energy of the nodes that are -1 in `holding`, and strain energy of points in fragments.
 double energy_of_fragments(const Bond& bond, const std::vector<signed char>& holding, const Law& law, double dt_last);
 
-// The grain, 0 or 1, that each node holds to; -1 for dust. Collective for the ranks that share the nodes.
+// Grain 0 or 1 to which the cement at each node is attached; -1: none. Collective for the ranks that share the nodes.
 std::vector<signed char> grains_that_hold_nodes(Bond& bond);
-// The grain, 0 or 1, that each node of a bond that came apart goes with. Collective for the ranks that share the nodes.
+// Grain 0 or 1 whose piece has each node of a separated bond: where grains_that_hold_nodes() has none, the nearer one
+// that is still there. Collective for the ranks that share the nodes.
 std::vector<signed char> grains_of_nodes(Bond& bond, const BondRecord& record);
 
-// The models of both pieces, from the nodes that count on this rank and have a grain. middle: middle of the contact at
-// the creation.
+// The models of both pieces, summed over the nodes that count on this rank and have a grain. middle: middle of the
+// contact at creation.
 std::vector<CondensedModel> models_of_pieces(const Bond& bond, const std::vector<signed char>& grain_of_node,
                                              const Eigen::Vector3d& middle);
 
-// Momentum of a node, and its angular momentum about the point to which the grains have brought the middle. By the
-// stored velocity, in the axes of `motion`.
+// Momentum of a node and its angular momentum about the present middle of the contact, by the stored velocity, in the
+// axes of `motion`.
 Eigen::Matrix<double, 6, 1> momentum_of_node(const Grid& grid, int node, const CondensedMotion& motion);
-// Momentum of both pieces half a step behind, as loads on the sides of the body. momentum_of_pieces() is the momentum
-// of their nodes. momentum_of_rigid_pieces() is that of the models with the motion of the sides.
+// Momentum of both pieces half a step earlier, as loads on the ends of the bond: that of their nodes, and that of the
+// rigid models with the motion of the ends. half: half a step.
 GrainLoads momentum_of_pieces(const Bond& bond, const std::vector<signed char>& grain_of_node, const std::vector<CondensedModel>& models,
                               const BondRecord& record, const BondEnd* ends);
 GrainLoads momentum_of_rigid_pieces(const std::vector<CondensedModel>& models, const BondRecord& record, const BondEnd* ends, double half);

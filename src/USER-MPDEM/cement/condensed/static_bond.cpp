@@ -18,20 +18,21 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Motion = double[2][6];  // motions of both grains, about their centres
 
-// The iteration ends when the residual is the share kResidual of the energy that it began with. It also ends when a
-// quarter of its steps took less than the share kDecline of that energy. The fields are good to its root. Where points
-// failed, nodes beside them hold next to nothing, and the energy does not wait for them.
+// The iteration ends when the preconditioned residual is below kResidual times the initial energy, or when the last
+// quarter of the steps reduced the energy by less than kDecline times it. The error of the fields is the root of that.
+// Nodes beside failed points have almost no stiffness and converge slowly, but hardly change the energy, so the limit
+// is larger with them.
 constexpr double kResidual = 1e-16, kDecline = 1e-14, kDeclineOfCracked = 1e-6;
 constexpr int kLeastSteps = 40;
 
-// Nodes that a force moves are held back by this share of the largest stiffness of a node over its mass, times the mass
-// of each node. Nodes beside points that failed may hold next to nothing, and the inertia of such a node asks for
-// metres. Let the square of the frequency of a motion be r times the stiffness over mass that holds back. Then the
-// motion is found but for 1/(1 + r).
+// Shift of the operator of static_displacement(): this share of the largest nodal ratio of stiffness to mass, times the
+// mass of each node. Without it, the inertia of a node beside failed points, which has almost no stiffness, would move
+// it by metres. A mode whose squared frequency is r times the shift is found with a relative error of 1/(1 + r).
 constexpr double kHeld = 1e-4;
 constexpr int kMostStepsOfForce = 1000;
 
-// The nodes of one bond as unknowns. Vectors have three numbers a node. Tied nodes are no unknowns.
+// The equations of one bond. Vectors have three numbers a node. Constrained nodes are no unknowns.
+// held: share of the shift, see kHeld.
 class Equations {
  public:
   Equations(MPI_Comm comm, const StaticSystem* system, double held = 0.0) : comm_(comm), system_(system) {
@@ -61,8 +62,8 @@ class Equations {
     }
   }
 
-  // Finds the force `out` on the nodes by displacements x and motions of the grains, and the force `load` on the
-  // grains. x gets its tied nodes.
+  // Finds the force `out` on the nodes and `load` on the grains due to nodal displacements x and motions of the grains.
+  // Sets the values of constrained nodes in x.
   void force(std::vector<double>& x, const Motion& motion, std::vector<double>& out, Motion& load) {
     for (auto& of_grain : load) std::fill(of_grain, of_grain + 6, 0.0);
     if (!system_) return;
@@ -75,7 +76,7 @@ class Equations {
     grid.halo.sum(out.data(), 3);
   }
 
-  // Sums over the nodes: size_of() is r.P r, and dot() is a.b.
+  // Sums over the nodes of all ranks: r.P r with the preconditioner P, and a.b.
   double size_of(const std::vector<double>& r) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < inverse_.size(); ++i)
@@ -89,10 +90,10 @@ class Equations {
     return all(sum);
   }
   double preconditioned(std::size_t i) const { return inverse_[i / 3]; }
-  // The force that holds the node of component i back, over its displacement.
+  // The shift of component i.
   double held(std::size_t i) const { return held_[i / 3]; }
 
-  // Largest number and sum over the ranks of the bond.
+  // Maximum and sum over the ranks of the bond.
   double largest(double mine) const {
     if (comm_ == MPI_COMM_SELF) return mine;
     double most;
@@ -112,11 +113,11 @@ class Equations {
   MPI_Comm comm_;
   const StaticSystem* system_;
   std::vector<PenaltyLinks::Secant> secants_;
-  std::vector<double> inverse_;  // diagonal of the preconditioner, one number a node
-  std::vector<double> held_;     // force that holds a node back over its displacement, one number a node
+  std::vector<double> inverse_;  // preconditioner, one number a node
+  std::vector<double> held_;     // shift of the operator, one number a node
 };
 
-// Motion of the second grain about its centre, by motion j about the middle.
+// Motion of a grain at `arm` from the middle: translation of its centre and rotation, due to motion j about the middle.
 void unit_motion(int j, const Vector3& arm, double* motion) {
   Vector3 t = Vector3::Zero(), turn = Vector3::Zero();
   (j < 3 ? t : turn)[j % 3] = 1.0;
@@ -127,8 +128,7 @@ void unit_motion(int j, const Vector3& arm, double* motion) {
 
 Vector3 centre(const BondEnd& s) { return Vector3(s.x[0], s.x[1], s.x[2]); }
 
-// Nodes follow the second grain by their place between the surfaces of the two. A node inside one grain follows that
-// grain.
+// Interpolates between the motions of the grains by the distances to their surfaces. A node inside a grain follows it.
 std::vector<double> first_guess(const StaticSystem& p, const BondFrame& frame, int j) {
   const Grid& grid = p.grid;
   std::vector<double> x(3 * grid.size());
@@ -144,13 +144,13 @@ std::vector<double> first_guess(const StaticSystem& p, const BondFrame& frame, i
   return x;
 }
 
-// Iterates conjugate gradients from x on. r: residual of x. energy: energy of x. Returns the number of steps, which is
-// more than `most` if the iteration did not end.
+// Conjugate gradients from x on. r, energy: residual and energy of x. Returns the number of steps, or more than `most`
+// without convergence.
 int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double decline, int most) {
   const Motion at_rest = {};
   Motion load;
   std::vector<double> p(r.size(), 0.0), Kp(r.size());
-  std::vector<double> taken;  // energy that each step took
+  std::vector<double> taken;  // reduction of energy by each step
   double rho = equations.size_of(r), before = 0.0;
   while (rho > kResidual * energy) {
     const double beta = before > 0.0 ? rho / before : 0.0;
@@ -160,7 +160,7 @@ int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r
     const double pKp = -equations.dot(p, Kp);
     const int steps = static_cast<int>(taken.size()) + 1, window = std::max(kLeastSteps, steps / 4);
     if (!std::isfinite(pKp) || steps > most) return most + 1;
-    if (!(pKp > 0.0)) break;  // nothing that has stiffness is left
+    if (!(pKp > 0.0)) break;  // the rest of the residual is on nodes without stiffness
     const double a = rho / pKp;
     for (std::size_t i = 0; i < r.size(); ++i) {
       x[i] += a * p[i];

@@ -18,7 +18,7 @@ namespace mpdem {
 
 namespace {
 
-// Results are in the axes of the body, until into_box().
+// Results are in bond coordinates until into_box().
 void write(const StaticBond& found, StiffnessOfBond& to) {
   for (int d = 0; d < 3; ++d) {
     to.middle[d] = found.frame.middle[d];
@@ -45,7 +45,7 @@ class StiffnessFinder {
     for (const BondLayout& l : layouts_) told_.push_back(l.row);
   }
 
-  // Solves bonds of this rank alone.
+  // Solves the bonds that are whole on this rank.
   void solve_whole() {
     std::unordered_multimap<std::size_t, int> solved;  // layouts by the hash of their description
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
@@ -65,7 +65,7 @@ class StiffnessFinder {
     }
   }
 
-  // Collective. Solves bonds that ranks cut.
+  // Collective. Solves the bonds that several ranks share.
   void solve_cut(MPI_Comm comm) {
     std::vector<char> cut(table_.size(), 0);
     std::vector<int> at(table_.size(), -1);
@@ -78,7 +78,8 @@ class StiffnessFinder {
       if (cut[row]) solve_one(comm, static_cast<int>(row), at[row]);
   }
 
-  // Solves bonds without points. A rank reports a bond if it has its first grain. Bonds of a pattern are equal.
+  // Solves bonds whose points are made later: one solution for all bonds of a template. The rank that owns the first
+  // grain of a bond reports it.
   void solve_patterns(std::vector<CondensedBonds::OfPattern> laid_out) {
     std::map<int, StiffnessOfBond> solved;
     for (CondensedBonds::OfPattern& o : laid_out) {
@@ -95,7 +96,7 @@ class StiffnessFinder {
     }
   }
 
-  // Turns results of condensed bonds to the present. They are solved at the creation, where their points and nodes are.
+  // Condensed bonds are solved in the configuration at creation. Rotates their results to the present one.
   void turn_condensed() {
     for (int row : told_) {
       if (!table_[row].condensed) continue;
@@ -119,7 +120,7 @@ class StiffnessFinder {
     }
   }
 
-  // Collective. The first rank that has a bond tells the others.
+  // Collective. The first rank that reports a bond sends its result to the others.
   std::vector<StiffnessOfBond> of_all(MPI_Comm comm) {
     const int me = rank_in(comm);
     std::vector<int> owner(table_.size(), std::numeric_limits<int>::max());
@@ -134,7 +135,7 @@ class StiffnessFinder {
   }
 
  private:
-  // Ranks may share a bond and no node: a film has none.
+  // A bond with a film may be shared without shared nodes, since a film has none.
   bool is_cut(const BondLayout& l) const {
     return l.grid.halo.shares_any() || (!l.film.empty() && l.points.size() + l.film.points.size() != table_[l.row].points);
   }
@@ -146,7 +147,7 @@ class StiffnessFinder {
     const BondLayout& l = layouts_[layout];
     return BondDescription(l.points, l.film.points, l.grid, table_[l.row], ends_of(l.row));
   }
-  // layout: -1 if this rank has nothing of the bond.
+  // layout: -1: this rank has no share of the bond.
   void solve_one(MPI_Comm comm, int row, int layout) {
     if (layout < 0) {
       solve_static(comm, nullptr);
@@ -162,8 +163,8 @@ class StiffnessFinder {
   const BondedGrains::EndsOfAll& grains_;
   const Law& law_;
   std::vector<StiffnessOfBond> found_;
-  std::vector<int> told_;                           // rows that this rank knows
-  mutable std::map<int, EndsAtCreation> creation_;  // sides at the creation of condensed bonds
+  std::vector<int> told_;                           // rows that this rank reports
+  mutable std::map<int, EndsAtCreation> creation_;  // of condensed bonds
 };
 
 }  // namespace
@@ -175,7 +176,7 @@ std::vector<StiffnessOfBond> stiffness_of_bonds(const Scene& scene, std::vector<
                                       : text_of("grain ", grains.ends.ends[orphan].tag,
                                                 " has cement but was deleted or lost; use 'run 0' before, which takes the cement of "
                                                 "separated bonds out of the scene, or keep bonded grains"));
-  // without its grain, cement has no stiffness to tell
+  // cement whose grain left has no stiffness
   const auto is_alone = [&](const BondLayout& l) {
     return !scene.bonds().table[l.row].has_grain(0) || !scene.bonds().table[l.row].has_grain(1);
   };
@@ -242,7 +243,7 @@ std::vector<StiffnessOfBond> stiffness_of_films(const Scene& scene) {
   std::vector<StiffnessOfBond> found(bonds.table.size(), StiffnessOfBond{});
   for (const auto& s : mine) found[s.first] = s.second;
   constexpr int kNumbers = sizeof(StiffnessOfBond) / sizeof(double);
-  std::vector<double> axes;  // ranks that share a bond have the same axis, and add up its stiffness
+  std::vector<double> axes;  // ranks that share a bond add up its stiffness, but have the same axis
   for (StiffnessOfBond& s : found) {
     axes.insert(axes.end(), s.axis, s.axis + 3);
     std::fill(s.axis, s.axis + 3, 0.0);

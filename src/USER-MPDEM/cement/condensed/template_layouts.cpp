@@ -12,7 +12,7 @@ namespace mpdem {
 
 namespace {
 
-// Lays out bonds that this rank has as a whole, at their creation.
+// Lays out bonds that are whole on this rank, in their configuration at creation.
 std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, Bonds& alone, const PenaltyParameters* penalty) {
   const CementOptions& options = scene.options;
   NodeSplitting splits;
@@ -59,7 +59,7 @@ std::vector<int> patterns_of_owned_grains(const Scene& scene) {
 
 std::vector<CondensedBonds::OfPattern> layouts_of_patterns(const Scene& scene, const std::vector<int>& patterns,
                                                            const PenaltyParameters* penalty) {
-  Bonds alone;  // one row for each pattern, so that keys of nodes are the same on all ranks
+  Bonds alone;  // one row for each template, so that keys of nodes are equal on all ranks
   alone.table.resize(scene.bonds().patterns.size());
   std::vector<char> known(scene.bonds().patterns.size() + 1, 1);
   for (int p : patterns) known[p] = 0;

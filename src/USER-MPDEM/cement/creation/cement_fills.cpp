@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Fills new bonds with points of shapes or of a file, and decides which rank makes them for which.
+// Fills new bonds with points of shapes or of a file, and decides which rank makes them for which others.
 #include <mpi.h>
 
 #include <algorithm>
@@ -21,9 +21,9 @@ namespace mpdem {
 
 namespace {
 
-enum Check { cells };  // checks of a bond; this is the first when it is made
+enum Check { cells };  // checks of a bond in their order; cement_overlaps.cpp has the next ones
 
-// Returns the text of a file that only the first rank reads. Collective.
+// Collective. Returns the text of a file that only the first rank reads.
 std::string broadcast_file(MPI_Comm comm, const std::string& name, std::string& trouble) {
   const int me = rank_in(comm);
   std::string text;
@@ -60,7 +60,7 @@ void move_origin(std::vector<FillPoint>& points, const Vector3& to) {
   }
 }
 
-// Finds volume and attached areas from the points, for bodies that neighbours have cut.
+// Computes volume and attached areas from the points, for bonds that are trimmed by neighbours.
 void measure(const std::vector<FillPoint>& fill, BondRecord& record) {
   record.volume = record.attached_area[0] = record.attached_area[1] = 0.0;
   for (const FillPoint& p : fill) {
@@ -147,15 +147,15 @@ void CementMaker::fill_one(int fill, double most, BondTrouble& trouble) {
   for (const FillPoint& p : f.points) f.box.extend(p.X);
 }
 
-// Returns how many more points the memory holds. Ranks list points while they are made, and keep their own. more:
-// points that are planned already.
+// Returns how many more points fit in memory. Ranks list points while they are made, and keep their own. more: points
+// that are planned already.
 double CementMaker::most_points(double memory, double more) const {
   constexpr double kListed = 500.0, kKept = 700.0;  // bytes a point, measured
   const double kept = kKept / ranks_;
   return std::max(1.0, (memory - kept * (atoms_before_ + created_ + more)) / (kListed + kept));
 }
 
-// Collective. Makes the points of the bonds of a part, on the ranks that need them.
+// Collective. Makes the points of the bonds of a batch, on the ranks that need them.
 void CementMaker::make_fills(const Batch& batch, BondTrouble& trouble) {
   const double memory = memory_limit(comm_);
   double planned = 0.0;
@@ -181,7 +181,7 @@ void CementMaker::make_fills(const Batch& batch, BondTrouble& trouble) {
     seen[fill] = 1;
     if (!wish_.later) planned += expected;
   }
-  // Every rank makes a single fill for itself, since no rank has another one to make meanwhile.
+  // Every rank makes a single fill itself, since it would have nothing else to make meanwhile.
   const bool each = fresh.size() == 1;
   for (std::size_t k = 0; k < fresh.size(); ++k)
     if (each || fresh[k] % ranks_ == me_) fill_one(fresh[k], most[k], trouble);
@@ -195,7 +195,7 @@ void CementMaker::make_fills(const Batch& batch, BondTrouble& trouble) {
   if (ranks_ > 1) send_fills(batch, used);
 }
 
-// Tells all ranks the numbers of a fill. They come from the rank that made it; the others add zero.
+// Shares the numbers of fills among all ranks. The rank that made a fill has them; the others add zero.
 void CementMaker::share_numbers(const std::vector<int>& fills) {
   constexpr int kNumbers = 11;
   std::vector<double> all(kNumbers * fills.size(), 0.0);
@@ -230,8 +230,7 @@ void CementMaker::share_numbers(const std::vector<int>& fills) {
   }
 }
 
-// Finds for each fill the ranks that need it. Some bond of the part has the fill in the rank's part of the box, or near
-// it.
+// Finds for each fill the ranks that need it: those in or near whose subdomain a bond of the batch has it.
 std::vector<std::vector<char>> CementMaker::needed(const Batch& batch, const std::vector<int>& fills) const {
   double mine[6];
   std::copy(plan_.box().own_low, plan_.box().own_low + 3, mine);
@@ -251,7 +250,7 @@ std::vector<std::vector<char>> CementMaker::needed(const Batch& batch, const std
   for (std::size_t n = batch.from; n < batch.to; ++n) {
     const Fill& f = fill_of(n);
     if (f.box.isEmpty()) continue;
-    if (wish_.later) {  // every rank has all patterns
+    if (wish_.later) {  // every rank has all templates
       need[fill_of_bond_[n]].assign(ranks_, 1);
       continue;
     }

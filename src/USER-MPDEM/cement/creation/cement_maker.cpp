@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Makes the points of the planned bonds, part by part. cement_fills.cpp has what fills a bond, cement_overlaps.cpp has
-// what is in its way.
+// Makes the points of the planned bonds in batches. cement_fills.cpp fills bonds, and cement_overlaps.cpp checks them
+// against other cement and grains.
 #include "cement_maker.h"
 
 #include <algorithm>
@@ -14,12 +14,12 @@
 namespace mpdem {
 
 namespace {
-// Number of points of fills that a part makes, and number that is kept for later parts. They take some 25 MB.
+// Number of points of fills that a batch makes, and number that is kept for later batches. They take some 25 MB.
 constexpr double kPointsOfABatch = 100000.0;
-constexpr int kListed = 20;  // number of bonds told of one by one
+constexpr int kListed = 20;  // number of bonds reported one by one
 constexpr double kFewCells = 2.0;
 
-// Says how the bond is resolved.
+// Describes how the bond is resolved.
 std::string of_cells(const CementPlan::Kind& kind, const CementWish& wish) {
   if (!wish.file.empty()) return "";
   const double cell = kCellOfPoints * wish.spacing;
@@ -70,7 +70,7 @@ CementMaker::Sums CementMaker::make() {
   return sums_;
 }
 
-// Groups bonds that have the same points. What is compared is compared to the bit.
+// Groups bonds that have the same points. The comparison is bitwise.
 void CementMaker::group_fills() {
   std::unordered_map<std::string, int> known;
   const std::vector<PlannedBond>& bonds = plan_.bonds();
@@ -92,7 +92,7 @@ void CementMaker::group_fills() {
   }
 }
 
-// Points of a file are read bond by bond, so such a bond is a part of its own.
+// Points of a file are read bond by bond, so such a bond is a batch of its own.
 std::size_t CementMaker::end_of_batch(std::size_t from) const {
   if (!wish_.file.empty()) return from + 1;
   std::vector<char> counted(fills_.size(), 0);
@@ -162,7 +162,7 @@ void CementMaker::create(const Batch& batch) {
   created_ += static_cast<double>(created);
 }
 
-// Gives the bonds patterns instead of points.
+// Gives the bonds templates instead of points.
 void CementMaker::choose_patterns(Batch& batch) {
   for (std::size_t k = 0; k < batch.records.size(); ++k) {
     if (!batch.kept[k]) continue;

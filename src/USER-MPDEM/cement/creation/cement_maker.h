@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Makes the points of planned bonds (cement_plan.h) in parts of about a hundred thousand points. Bonds whose geometry
-// is the same to the bit have the same points, which are made once. Ranks deal out what is to be made. They send it to
-// the ranks in whose part of the box it lies. The result does not depend on the number of ranks: every rank knows the
-// number of points of every bond, and so their IDs.
+// Makes the points of planned bonds (cement_plan.h) in batches of about a hundred thousand points. Bonds of bitwise
+// identical geometry have the same points, which are made once. Ranks share out what is to be made, and send it to the
+// ranks in whose subdomain it lies. The result does not depend on the number of ranks: every rank knows the number of
+// points of every bond, and so their IDs.
 #ifndef MPDEM_CEMENT_CREATION_CEMENT_MAKER_H
 #define MPDEM_CEMENT_CREATION_CEMENT_MAKER_H
 
@@ -20,22 +20,22 @@
 
 namespace mpdem {
 
-// A bond that is new: its row of the table, its grains, and its points, of all ranks. The tags of the points follow each other.
+// A new bond: its row of the table, its grains, and its points, of all ranks. The tags of the points are consecutive.
 struct NewBond {
   int row, first_tag;
   const GrainToBond* grain;  // both grains
   const BondRecord& record;
-  const std::vector<FillPoint>& points;  // points in the coordinates of the body
+  const std::vector<FillPoint>& points;  // points in the coordinates of the bond
   const Box& box;                        // box around the points
 };
 
-// Point of this rank that stands for a cube that a body fills (nearly) whole: a cell, or a cube within a column of a film.
+// Point of this rank that represents a cube (nearly) full of cement: a cell, or a cube within a column of a film.
 struct FullPoint {
   Vector3 x;
   int row;
   double width;
 };
-// Width of that cube. 0: the cell of the point is cut. spacing: that of its bond; full: least volume of a cell that is not cut.
+// Width of that cube. 0: the cell of the point is cut. spacing: that of its bond; full: least volume of an uncut cell.
 template <class Point>
 double width_filled(const Point& p, double spacing, double full) {
   constexpr double kWidthInColumn = 0.5;  // over the thickness of the film
@@ -43,19 +43,18 @@ double width_filled(const Point& p, double spacing, double full) {
   return p.volume < full ? 0.0 : spacing;
 }
 
-// Returns the box around a box that is given in the coordinates of a body. The result is in the coordinates of the
-// simulation box.
+// Returns the box, in the coordinates of the simulation box, around a box in the coordinates of a bond.
 Box box_around(const BondRecord& record, const Box& box);
 
-// Interface by which the maker asks its host.
+// Interface of the maker to its host.
 class CementMakerHost {
  public:
   virtual ~CementMakerHost() = default;
-  // Returns points of this rank that stand for full cells of bodies before row `bodies`.
+  // Returns points of this rank that represent full cells of bonds before row `rows`.
   virtual std::vector<FullPoint> full_points(int rows) = 0;
-  // Takes those points that belong to this rank, and returns their number. more: will other calls follow?
+  // Creates those points that belong to this rank, and returns their number. more: whether other calls follow.
   virtual std::size_t create_points(const std::vector<NewBond>& bonds, bool more) = 0;
-  // Returns the pattern, counted from 1, of bonds whose points are made later. All ranks pass the same points.
+  // Returns the template, counted from 1, of bonds whose points are made later. All ranks pass the same points.
   virtual int pattern_of(const std::vector<FillPoint>& points) = 0;
   // The maker calls these two on the first rank alone.
   virtual void say(const std::string& text) = 0;
@@ -76,7 +75,7 @@ class CementMaker {
   struct Sums {
     double points = 0, volume = 0, mass = 0;
   };
-  // The scene as it is before the command.
+  // The scene before the command.
   struct Scene {
     std::vector<Sphere> grains;  // grains of this rank
     double atoms = 0;            // number of atoms of all ranks
@@ -95,20 +94,19 @@ class CementMaker {
   std::string text_of_skipped() const;
 
  private:
-  // Bonds of the same points: bonds of one kind, with the same neighbours if these take a part.
+  // Bonds of the same points: bonds of one kind, with the same neighbours if these trim them.
   struct Fill {
     std::size_t first;  // the first bond with these points
     bool known = false;
-    BondRecord record;                 // what all of the bonds have in common; all ranks know it, and the box
-    Box box;                           // box around the points, in the coordinates of the body
-    std::vector<FillPoint> points;     // points in these coordinates, on ranks that need them
-    std::vector<char> sent;            // for each rank: did the rank that made the points send them to it
-    Vector3 corner = Vector3::Zero();  // origin from the middle of the gap
-    Eigen::Quaterniond turn =
-        Eigen::Quaterniond::Identity();  // turn to the axes of the planned bond; points of a file may have their own axes
-    int pattern = 0;                     // number that the host gave; 0: not known yet
+    BondRecord record;                                         // what all of the bonds have in common; all ranks know it, and the box
+    Box box;                                                   // box around the points, in the coordinates of the bond
+    std::vector<FillPoint> points;                             // points in these coordinates, on ranks that need them
+    std::vector<char> sent;                                    // for each rank: whether the points were sent to it
+    Vector3 corner = Vector3::Zero();                          // origin from the middle of the gap
+    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rotation to the axes of the planned bond; a file may have its own axes
+    int pattern = 0;                                           // template that the host gave; 0: not known yet
   };
-  // Bonds from `from` to `to` (exclusive) that are made together, with their bodies.
+  // Bonds from `from` to `to` (exclusive) that are made together, with their records.
   struct Batch {
     std::size_t from, to;
     std::vector<BondRecord> records;
@@ -116,7 +114,7 @@ class CementMaker {
   };
   struct Overlap {
     std::size_t bond;
-    int row;  // row of the table, as it is or will be if all bonds of the part are made
+    int row;  // row of the table, as it is or will be if all bonds of the batch are made
     double volume;
   };
 
@@ -165,12 +163,12 @@ class CementMaker {
   std::unique_ptr<BoxSearch> near_grains_;  // boxes around the grains
   std::vector<Fill> fills_;
   std::vector<int> fill_of_bond_;
-  std::vector<std::vector<CementPlan::Near>> near_;  // neighbours of each bond, if bonds share out what they have in common
+  std::vector<std::vector<CementPlan::Near>> near_;  // neighbours of each bond, with 'overlap trim'
   std::vector<GrainTags> skipped_;
   Sums sums_;
   double live_ = 0, created_ = 0;  // points of the fills that are kept; points made
-  int listed_ = 0;                 // bonds told of one by one
-  BondsToWarnOf thin_, coarse_;    // bonds that were not: with too thin a film of cells, with too few cells
+  int listed_ = 0;                 // bonds reported one by one
+  BondsToWarnOf thin_, coarse_;    // other bonds: with too thin a film of cells, with too few cells
 };
 
 }  // namespace mpdem

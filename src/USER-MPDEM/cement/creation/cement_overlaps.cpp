@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Checks new cement against what is there: other cement of this command or of earlier ones, other grains, numbers, and
-// the box.
+// Checks new cement against other cement of this or earlier commands, other grains, limits of numbers, and the box.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,9 +18,9 @@ namespace mpdem {
 
 namespace {
 
-enum Check { overlap = 1, other_grains, numbers, outside };  // checks of a bond, in their order, after those of its points
+enum Check { overlap = 1, other_grains, numbers, outside };  // checks of a bond in order, after those of its points
 
-// Finds points of a fill by cells of this width.
+// Finds the points of a fill near a position, by cells of this width.
 class PointsNear {
  public:
   PointsNear(const std::vector<FillPoint>& fill, double width) : fill_(fill), width_(width) {
@@ -29,7 +28,7 @@ class PointsNear {
     for (std::size_t n = 0; n < fill.size(); ++n)
       near_.emplace(key(cell(fill[n].X[0]), cell(fill[n].X[1]), cell(fill[n].X[2])), static_cast<int>(n));
   }
-  // Returns the volume of the points less than `half` from x along each of three axes. `turn` takes the axes of the
+  // Returns the volume of the points less than `half` from x along each of three axes. `turn` rotates the axes of the
   // points to these. `half` is at most the width over the root of three.
   double volume_around(const Vector3& x, double half, const Eigen::Matrix3d& turn) const {
     const long at[3] = {cell(x[0]), cell(x[1]), cell(x[2])};
@@ -51,7 +50,7 @@ class PointsNear {
   std::unordered_multimap<Cell, int, GridIndexHash> near_;
 };
 
-// Turns coordinates of the box into those of a body, and back.
+// Converts coordinates of the box to those of a bond, and back.
 struct Coordinates {
   Vector3 origin;
   Mat3<double> axes;
@@ -61,7 +60,7 @@ struct Coordinates {
     return Vector3(turned_back(axes, from.data()).data());
   }
   Vector3 out(const Vector3& X) const { return origin + Vector3(turned(axes, X.data()).data()); }
-  // Returns the turn from the axes of this body to those of another.
+  // Returns the rotation from the axes of this bond to those of another.
   Eigen::Matrix3d to(const Coordinates& other) const { return matrix_of(product(transpose(other.axes), axes)); }
 };
 
@@ -74,9 +73,8 @@ double CementMaker::reach_of_cells() const {
   return 0.5 * std::sqrt(3.0) * widest;
 }
 
-// Finds the volume of new points inside cells that bodies before `bodies` fill (nearly) whole. Bodies of the part come
-// after those of the table. Each rank looks at the full cells in its part of the box. The result is ascending.
-// Collective.
+// Collective. Finds the volume of new points inside cells that bonds before row `rows` fill (nearly) whole. Bonds of
+// the batch come after those of the table. Each rank examines the full cells in its subdomain. The result is ascending.
 std::vector<CementMaker::Overlap> CementMaker::overlaps(const Batch& batch, int rows) const {
   const int there = static_cast<int>(table_.size());
   const Vector3 margin = Vector3::Constant(reach_of_cells());
@@ -90,7 +88,7 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Batch& batch, int 
   }
   const BoxSearch search(boxes);
   const std::vector<Vector3> shifts = plan_.box().images();
-  std::map<int, PointsNear> by_cells;  // points of the fills that are asked for
+  std::map<int, PointsNear> by_cells;  // points of the fills that are needed
   std::map<std::pair<std::size_t, int>, double> found;
   // x: middle of a full cell
   const auto look = [&](std::size_t k, int row, const Coordinates& of_body, double spacing, const Vector3& x) {
@@ -128,8 +126,7 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Batch& batch, int 
   return mine;
 }
 
-// Decides which bonds are left out, in the order of the bonds. A bond that is left out is in nobody's way. found:
-// ascending.
+// Decides in the order of the bonds which are left out. These do not obstruct others. found: ascending.
 void CementMaker::resolve(Batch& batch, const std::vector<Overlap>& found, BondTrouble& trouble) {
   const int there = static_cast<int>(table_.size());
   for (const Overlap& o : found) {
@@ -152,8 +149,7 @@ void CementMaker::resolve(Batch& batch, const std::vector<Overlap>& found, BondT
   }
 }
 
-// Looks for points inside another grain than the two, or in another image of these. Each rank looks at the points in
-// its part of the box. Collective.
+// Collective. Finds points inside third grains, or other images of the two. Each rank examines its subdomain.
 void CementMaker::check_other_grains(const Batch& batch, BondTrouble& trouble) const {
   struct Inside {
     std::size_t bond;
@@ -209,7 +205,7 @@ void CementMaker::check_other_grains(const Batch& batch, BondTrouble& trouble) c
                        "'thickness', or move that grain away before"));
 }
 
-// Checks the numbers of bonds and of IDs, and looks for points outside the box.
+// Checks the numbers of bonds and of IDs, and finds points outside the box.
 void CementMaker::check_numbers(const Batch& batch, BondTrouble& trouble) const {
   std::size_t bodies = table_.size();
   double last = last_tag_;

@@ -60,8 +60,8 @@ std::string CementPlan::prefix(const PlannedBond& bond) {
   return text_of("create_cement pair ", bond.grain[0].tag, " ", bond.grain[1].tag, ": ");
 }
 
-// Bonds must not feel the strain that comes from rounding of positions. length: length of what is strained. The links
-// are stiffer than the cement by two orders, and so is what rounding loads them with.
+// Rounding of positions must not strain bonds noticeably. length: length of what is strained. The links are stiffer
+// than the cement by two orders, and so are the loads that rounding causes in them.
 std::string CementPlan::trouble_of_place(const PlannedBond& bond, double length) {
   constexpr double kMostStrain = 1e-8;
   double far = 0.0;
@@ -74,7 +74,7 @@ std::string CementPlan::trouble_of_place(const PlannedBond& bond, double length)
                  "; place the box nearer to the origin, within ", kMostStrain * length / std::numeric_limits<double>::epsilon());
 }
 
-// Fills in what is known of the pair. Returns what is wrong with it, or an empty text.
+// Sets the geometry of the pair. Returns what is wrong with it, or an empty text.
 std::string CementPlan::trouble_of_geometry(PlannedBond& bond) const {
   const GrainToBond &g0 = bond.grain[0], &g1 = bond.grain[1];
   const Vector3 centres = bond.between = box_.shortest(Vector3(g1.x[0] - g0.x[0], g1.x[1] - g0.x[1], g1.x[2] - g0.x[2]));
@@ -91,7 +91,7 @@ std::string CementPlan::trouble_of_geometry(PlannedBond& bond) const {
   return "";
 }
 
-// Turns the bond to its own axes, see bond_axes.h.
+// Rotates the bond to its own axes, see bond_axes.h.
 void CementPlan::choose_axes(PlannedBond& bond) {
   const BondAxes axes = bond_axes(bond.pair.n);
   bond.turn = axes.turn;
@@ -135,7 +135,7 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
   share_kinds();
 }
 
-// Kinds are compared to the bit. Each bond with points of a file is a kind of its own.
+// Kinds are compared bitwise. Each bond with points of a file is a kind of its own.
 int CementPlan::kind_of(const PlannedBond& bond, std::unordered_map<std::string, int>& kinds) {
   const GrainPair& p = bond.pair;
   const double numbers[] = {p.R1, p.R2, p.gap, p.n[0], p.n[1], p.n[2], bond.grain[0].mass + bond.grain[1].mass};
@@ -151,7 +151,7 @@ int CementPlan::kind_of(const PlannedBond& bond, std::unordered_map<std::string,
 
 double CementPlan::points_expected(std::size_t bond) const { return kind_of(bond).volume / std::pow(wish_.spacing, 3); }
 
-// Each rank finds shapes and sizes of its share of the kinds.
+// Each rank computes shapes and sizes of its share of the kinds.
 void CementPlan::measure_kinds(BondTrouble& trouble) {
   const int ranks = ranks_of(comm_), me = rank_in(comm_);
   for (std::size_t k = me; k < kinds_.size(); k += ranks) {
@@ -250,7 +250,7 @@ std::vector<std::vector<CementPlan::Near>> CementPlan::neighbours() {
         for (int k = -images[2]; k <= images[2]; ++k) {
           const Vector3 x = bonds_[n].middle() + Vector3(i * box_.period[0], j * box_.period[1], k * box_.period[2]);
           const bool image = i != 0 || j != 0 || k != 0;
-          // Middles lie up to a radius outside of the box, beside the first grain.
+          // Middles lie up to a radius outside the box, near the first grain.
           const double reach = 2.0 * widest + bonds_[n].pair.R1;
           if (image && ((x - low).minCoeff() < -reach || (high - x).minCoeff() < -reach)) continue;
           places.push_back({x, n, image});

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Plans the cement that one command asks for between pairs of grains: where the bonds lie, which of them are of one
-// shape, and what keeps a bond from being made. CementMaker makes the points.
+// Plans the cement of one command between pairs of grains: where the bonds lie, which of them have the same shape, and
+// what prevents a bond from being made. CementMaker makes the points.
 #ifndef MPDEM_CEMENT_CREATION_CEMENT_PLAN_H
 #define MPDEM_CEMENT_CREATION_CEMENT_PLAN_H
 
@@ -26,7 +26,7 @@ namespace mpdem {
 
 using GrainTags = std::pair<int, int>;  // a pair of tags, ascending
 
-// Words of a command that hold for all its bonds.
+// Options of a command, for all its bonds.
 struct CementWish {
   std::vector<ShapeWords> shapes;
   std::string file;  // file from which points are read; empty: points are made of shapes
@@ -36,10 +36,10 @@ struct CementWish {
     usual,
     two_spacings,
     given
-  } inner_rule = usual;                // usual: GrainPair::usual_inner(); two_spacings: where the grains are so far apart
+  } inner_rule = usual;                // usual: GrainPair::usual_inner(); two_spacings: where the gap is that wide
   double inner = 0.0;                  // inner radius, if given
   double share = GrainPair::kLeftOut;  // of GrainPair::usual_inner()
-  bool film = true;                    // what is too thin for cells is film
+  bool film = true;                    // cement that is too thin for cells is film
   double grid[3] = {0, 0, 0};          // origin of the grid from the middle of the gap
   enum Overlap { error, skip, trim } overlap = error;
   bool later = false;  // true: points are made when they are needed
@@ -55,29 +55,28 @@ struct GrainToBond {
 struct PlannedBond {
   GrainToBond grain[2];
   Vector3 between;                                           // vector from the first grain to the second
-  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // turn from the axes of its body to those of the box
-  GrainPair pair;                                            // the pair in the axes of its body
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rotation from the axes of the bond to those of the box
+  GrainPair pair;                                            // the pair in the axes of the bond
   int kind = 0;
-  // Place of the middle of the gap, beside the first grain.
+  // Position of the middle of the gap, at the periodic image of the first grain.
   Vector3 middle() const { return Vector3(grain[0].x[0], grain[0].x[1], grain[0].x[2]) - turn * pair.centre(0); }
 };
 
-// Says that an ID is not of one atom alone.
+// Message that several atoms have one ID.
 std::string trouble_of_shared_id(int tag);
 
-// Velocity of new cement between moving grains. `arm`: vectors from the centres of both grains to a place. The motions
-// of the grains are weighed by the distances to their surfaces. So cement at a grain moves with it, and cement between
-// grains that move as one body moves as a part of that body.
+// Velocity of new cement between moving grains. `arm`: vectors from the centres of both grains to a position. The
+// motion of each grain is weighted by the distance to the surface of the other. So cement at a grain moves with it, and
+// cement between grains in a common rigid motion follows that motion.
 std::array<double, 3> velocity_between(const GrainToBond* grain, const std::array<double, 3>* arm);
 
-// Trouble that keeps a bond from being made. It holds the first bond in the order of the command, and the first check
-// of that bond.
+// Error that prevents a bond from being made. Keeps the first in the order of the command, then of the checks.
 struct BondTrouble {
   std::size_t bond = INT_MAX;
   int check = 0;
   std::string text;
   void tell(std::size_t of_bond, int of_check, const std::string& why);
-  // Collective. Throws BadState with the first trouble of all ranks. It does not matter which rank finds it.
+  // Collective. Throws BadState with the first error of all ranks, whichever rank found it.
   void stop(MPI_Comm comm) const;
 };
 
@@ -86,24 +85,26 @@ class CementPlan {
   CementPlan(MPI_Comm comm, const SceneBox& box) : comm_(comm), box_(box) {}
 
   // Collective. Plans bonds between these pairs. grains: grains of this rank that the pairs name. before: pairs that
-  // have cement, ascending. read_words: called once the first pair has been looked at. It sets the wish. Throws
+  // have cement, ascending. read_words: called once the first pair has been checked. It sets the options. Throws
   // BadState.
   void make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
             const std::function<void(CementWish&)>& read_words);
 
-  // Bonds of the same shape: radii, gap, direction in the axes of the body, and mass of the grains are the same to the bit.
+  // Bonds of bitwise identical radii, gap, direction in the axes of the bond, and mass of the grains.
   struct Kind {
     std::size_t first;  // the first bond of the kind
-    std::unique_ptr<Shape> shape,
-        resolved;  // made by shape_of(); null: not made yet, or points come from a file. resolved: the part that cells fill, null: all of it
+    // Made by shape_of(). shape: null until it is made, or if points come from a file. resolved: the part that cells
+    // fill, null: all of it.
+    std::unique_ptr<Shape> shape, resolved;
     FilmFill film;  // known with `shape`
-    // known to all ranks; film: its share of the attached area; width: of the part that reaches from grain to grain, without the film
+    // Known to all ranks. film_share: share of the film in the attached area. width: of the part that reaches from
+    // grain to grain, without the film.
     double volume = 0, area[2] = {0, 0}, thickness = 0, thinnest = 0, film_share = 0, width = 0;
   };
   struct Near {
     std::size_t bond;
-    Vector3 apart;            // vector to its middle, in the axes of the body that it is near to
-    Eigen::Quaterniond turn;  // turn from these axes to its own
+    Vector3 apart;            // vector to its middle, in the axes of the bond that it is near to
+    Eigen::Quaterniond turn;  // rotation from these axes to its own
   };
   const CementWish& wish() const { return wish_; }
   const SceneBox& box() const { return box_; }
@@ -117,7 +118,7 @@ class CementPlan {
   const FilmFill& film_of(int kind) { return shape_of(kind), kinds_[kind].film; }
   // Finds for each bond the others, and periodic images, whose boxes meet its own.
   std::vector<std::vector<Near>> neighbours();
-  // Text with which complaints about a bond begin.
+  // Text with which messages about a bond begin.
   std::string prefix(std::size_t bond) const { return prefix(bonds_[bond]); }
 
  private:

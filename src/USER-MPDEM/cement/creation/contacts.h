@@ -12,10 +12,10 @@
 
 namespace mpdem {
 
-// Returns pairs of tags, each and all ascending, of spheres no farther apart than `gap`. In a periodic box the nearest
+// Returns pairs of tags, each and all ascending, of spheres whose gap is at most `gap`. In a periodic box the nearest
 // images count.
 std::vector<std::pair<int, int>> contacts(const std::vector<Sphere>& spheres, const SceneBox& box, double gap);
-// Number of these pairs of which other images are no farther apart, too.
+// Number of these pairs of which further images are within that gap, too.
 int contacts_twice(const std::vector<Sphere>& spheres, const std::vector<std::pair<int, int>>& pairs, const SceneBox& box, double gap);
 
 }  // namespace mpdem

@@ -29,7 +29,7 @@ const Group kPosition = group(PointRow::kPlace), kAxis = group(PointRow::kAxis),
             kPrincipal = {"d1", "d2", "d3", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z"}, kFailed = group(PointRow::kFailed),
             kGrains = group(PointRow::kGrain), kArea = group(PointRow::kArea), kFoot = group(PointRow::kFoot),
             kAttached = group(PointRow::kAttached), kLinkDamage = group(PointRow::kLinkDamage);
-// Attached points can be centroids of cells that the surface cuts. Feet of patches can be those of neighbours.
+// Attached points can be centroids of cut cells. Foot points of patches can be those of neighbours.
 constexpr double kFurthestFoot = 4.0;  // spacings
 // Neither area nor volume of a point can be larger than what lies within that distance of it.
 constexpr double kLargestArea = 4.0 * kFurthestFoot * kFurthestFoot;                    // squares of the spacing
@@ -46,7 +46,7 @@ template <class... T>
 
 class Reader {
  public:
-  // Skips the mark of the order of bytes with which spreadsheets begin a file.
+  // Skips the byte order mark with which spreadsheets begin a file.
   Reader(const std::string& text, const std::string& name) : text_(text), name_(name), at_(text.rfind("\xEF\xBB\xBF", 0) == 0 ? 3 : 0) {}
 
   // Reads the words of the next line that has any, without comments. Returns false at the end.
@@ -72,7 +72,7 @@ class Reader {
   int line_ = 0;
 };
 
-// Columns by name. A group is there as a whole or not at all.
+// Columns by name. A group is present as a whole or not at all.
 class Columns {
  public:
   Columns(const std::vector<std::string>& names, const std::string& where) : count_(names.size()) {
@@ -113,7 +113,7 @@ double number(const std::string& word, const std::string& column, const std::str
   const char* last = word.c_str() + word.size();
   double v = 0.0;
   const auto r = std::from_chars(first, last, v);
-  // Subnormal and smaller numbers come with an error too, but are as good as zero.
+  // Subnormal and smaller numbers give an error too, but are as good as zero.
   if (r.ec == std::errc::result_out_of_range && r.ptr == last) v = std::strtod(first, nullptr);
   else if (r.ec != std::errc() || r.ptr != last) stop(where, "'", word, "' in column '", column, "' is not a number");
   if (!std::isfinite(v)) stop(where, "'", word, "' in column '", column, "': a finite number is needed");
@@ -172,7 +172,7 @@ int shared_cell(const std::vector<FillPoint>& p, const Vector3& corner, double s
   return -1;
 }
 
-// Is a point within rounding of a face between cells?
+// Whether a point lies within rounding of a face between cells.
 bool on_a_face(const std::vector<FillPoint>& p, double spacing) {
   for (const FillPoint& f : p)
     for (int d = 0; d < 3; ++d)
@@ -180,7 +180,7 @@ bool on_a_face(const std::vector<FillPoint>& p, double spacing) {
   return false;
 }
 
-// Returns the place half a spacing beside the mean place of the points in their cells (a mean of angles).
+// Returns the position half a spacing beside the mean position of the points in their cells (a mean of angles).
 Vector3 beside_the_points(const std::vector<FillPoint>& p, double spacing) {
   Vector3 corner;
   for (int d = 0; d < 3; ++d) {
@@ -194,8 +194,7 @@ Vector3 beside_the_points(const std::vector<FillPoint>& p, double spacing) {
   return corner;
 }
 
-// Do the points of `full` lie close to the middle of their cells, measured by the spacing, and all points in cells of
-// their own?
+// Whether the points of `full` lie near the centres of their cells, and all points in cells of their own.
 bool is_lattice(const std::vector<FillPoint>& p, const std::vector<FillPoint>& full, const Vector3& corner, double spacing) {
   for (const FillPoint& f : full)
     for (int d = 0; d < 3; ++d)
@@ -204,14 +203,14 @@ bool is_lattice(const std::vector<FillPoint>& p, const std::vector<FillPoint>& f
   return shared_cell(p, corner, spacing, other) < 0;
 }
 
-// Lattice in which the points of full cells lie in the middle of cells, if there is one.
+// Lattice with the points of full cells at the centres of its cells, if there is one.
 struct Lattice {
   double largest_volume = 0.0;
   Vector3 corner;
   bool regular;
   Lattice(const std::vector<FillPoint>& points, double spacing) {
     for (const FillPoint& p : points) largest_volume = std::max(largest_volume, p.volume);
-    std::vector<FillPoint> full;  // centroids of cut cells are off the middle
+    std::vector<FillPoint> full;  // centroids of cut cells are off the centre
     for (const FillPoint& p : points)
       if (p.volume > 0.99 * largest_volume) full.push_back(p);
     corner = beside_the_points(full, spacing);
@@ -221,7 +220,7 @@ struct Lattice {
   }
 };
 
-// Reads a row of the file, as far as the file has columns for it.
+// Reads a row of the file, for the columns that it has.
 class RowReader : public record_detail::Visitor<RowReader> {
  public:
   RowReader(const Columns& columns, const std::vector<double>& numbers, const std::string& where)
@@ -241,7 +240,7 @@ class RowReader : public record_detail::Visitor<RowReader> {
   const std::string& where_;
 };
 
-// Reads a file for one pair of grains, then looks at the points together.
+// Reads a file for one pair of grains, then checks the points together.
 class PointFile {
  public:
   PointFile(const std::string& text, const std::string& name, const GrainPair& pair, const PointFileOptions& options)
@@ -346,7 +345,7 @@ class PointFile {
       if (!take_area(row.side[s], where, p, k)) return;
     } else {
       if (r - R > attach_) return;
-      // Where the cement is thinner than a layer, the cement is the layer.
+      // Cement that is thinner than `attach` is attached over its whole thickness.
       const double z = p.X.dot(pair_.n), rho = std::sqrt(std::max(p.X.squaredNorm() - z * z, 0.0));
       const bool between = z > pair_.height(0) && z < pair_.height(1) && rho < std::min(pair_.R1, pair_.R2);
       const double layer = between ? std::min(attach_, std::max(pair_.thickness(rho), 1e-3 * attach_)) : attach_;
@@ -356,7 +355,7 @@ class PointFile {
     p.link[p.links++] = k;
   }
 
-  // Takes the area that the file gives. Returns false if there is none.
+  // Reads the area from the file. Returns false if it is zero.
   bool take_area(const PointRow::Side& side, const std::string& where, const FillPoint& p, FillPoint::Attachment& k) const {
     const int s = k.side;
     k.area = side.area;
@@ -405,7 +404,7 @@ class PointFile {
     }
   }
 
-  // Takes the axes of the box, unless the points have a lattice only along those of the bond.
+  // Keeps the axes of the box, unless the points have a lattice only along those of the bond.
   void choose_axes() {
     if (Lattice(cloud_.points, o_.spacing).regular) return;
     const BondAxes axes = bond_axes(pair_.n);

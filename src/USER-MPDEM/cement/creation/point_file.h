@@ -11,13 +11,14 @@
 //   grain_i grain_j                    IDs of the grains; lines of other pairs are left out
 //   area_i area_j                      attached area of the point at the grain of the smaller /
 //                                      the larger ID
-//   foot_ix foot_iy foot_iz, foot_j.   place on the surface where it is attached (else the nearest place)
-//   attached_i attached_j              0: the link of that side has let go
-//   damage_i damage_j                  damage of that link, for traction laws that know it; points that failed may then be attached
+//   foot_ix foot_iy foot_iz, foot_j.   foot point on the surface (else the nearest one)
+//   attached_i attached_j              0: the link to that grain has debonded
+//   damage_i damage_j                  damage of that link, for traction laws that know it;
+//                                      points that failed may then be attached
 // Points lie on a cubic lattice along the axes of the box. They may also lie along those of the bond
-// (geometry/bond_axes.h), as points that shapes make. Without the area columns, points within `attach` of a surface are
+// (geometry/bond_axes.h), like points of shapes. Without the area columns, points within `attach` of a surface are
 // attached to it with the area V R^2/(r^2 attach), where V is the volume of the point, R the radius of the grain and r
-// the distance to its centre. For a layer of that thickness this sums up to the area of the sphere.
+// the distance to its centre. For cement of that thickness this sums up to the area of the sphere.
 #ifndef MPDEM_CEMENT_CREATION_POINT_FILE_H
 #define MPDEM_CEMENT_CREATION_POINT_FILE_H
 
@@ -35,17 +36,17 @@ struct PointFileOptions {
   int tag[2] = {0, 0};  // tags of the grains, ascending
   double spacing = 0;
   double attach = 0;  // 0: one spacing
-  // Turns a place in the box into coordinates from the middle of the gap, for the nearest periodic image.
+  // Converts a position in the box to coordinates from the middle of the gap, for the nearest periodic image.
   std::function<Vector3(const Vector3&)> to_body = [](const Vector3& x) { return x; };
 };
 
 struct PointCloud {
   std::vector<FillPoint> points;                             // points in the axes of the lattice
-  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // turn from these axes to those of the box
-  // Place of a corner of the lattice, from the middle of the gap. Each point has a cell of its own. The corner is 0 if
-  // that can be, else in the middle between points of a lattice.
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rotation from these axes to those of the box
+  // Corner of the lattice, from the middle of the gap. Each point has a cell of its own. The corner is 0 if that is
+  // possible, else midway between points of a lattice.
   Vector3 corner = Vector3::Zero();
-  // Corner of the lattice that has the points of full cells in the middle of its cells, if there is one (`regular`).
+  // Corner of the lattice that has the points of full cells at the centres of its cells, if there is one (`regular`).
   // Otherwise the corner above.
   Vector3 lattice = Vector3::Zero();
   bool regular = false;
@@ -55,7 +56,7 @@ struct PointCloud {
   std::map<int, int> other_grains;
 };
 
-// Text that complaints begin with: a place in a file.
+// Text with which messages begin: file and line.
 std::string place_in_file(const std::string& name, int line);
 
 // Throws ShapeError with the name of the file and the number of the line.

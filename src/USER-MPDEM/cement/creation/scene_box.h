@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The box of a scene, along the axes, and the part of it that belongs to this rank. Places are rounded as the host
-// rounds them. A point belongs to the rank in whose part it lies to the last bit.
+// The simulation box, along the axes, and the subdomain of this rank. Positions are rounded as the host rounds them, so
+// that it assigns a point to the same rank.
 #ifndef MPDEM_CEMENT_CREATION_SCENE_BOX_H
 #define MPDEM_CEMENT_CREATION_SCENE_BOX_H
 
@@ -15,18 +15,18 @@
 namespace mpdem {
 
 struct SceneBox {
-  double low[3] = {0, 0, 0}, high[3] = {0, 0, 0}, period[3] = {0, 0, 0};  // period: width of the box, also where it is not periodic
+  double low[3] = {0, 0, 0}, high[3] = {0, 0, 0}, period[3] = {0, 0, 0};  // period: width, also where not periodic
   bool periodic[3] = {false, false, false};
   double own_low[3] = {0, 0, 0}, own_high[3] = {0, 0, 0};
 
-  // Returns the shortest of the vectors from a place to the images of another. way: any of these vectors.
+  // Returns the shortest of the vectors from a position to the images of another. way: any of these vectors.
   Vector3 shortest(const Vector3& way) const {
     Vector3 d = way;
     for (int c = 0; c < 3; ++c)
       if (periodic[c] && std::fabs(d[c]) > 0.5 * period[c]) d[c] += d[c] < 0.0 ? period[c] : -period[c];
     return d;
   }
-  // Vectors to the periodic images of a place, itself first.
+  // Vectors to the periodic images of a position, itself first.
   std::vector<Vector3> images() const {
     const int n[3] = {periodic[0], periodic[1], periodic[2]};
     std::vector<Vector3> all = {Vector3::Zero()};
@@ -36,7 +36,7 @@ struct SceneBox {
           if (i != 0 || j != 0 || k != 0) all.emplace_back(i * period[0], j * period[1], k * period[2]);
     return all;
   }
-  // Takes x into the box by whole periods, and adds their number to `image`. Returns whether x belongs to this rank.
+  // Wraps x into the box by whole periods, and adds their number to `image`. Returns whether x belongs to this rank.
   bool take_in(double* x, int* image) const {
     bool own = true;
     for (int c = 0; c < 3; ++c) {
@@ -57,7 +57,7 @@ struct SceneBox {
   Box own() const { return Box(Vector3(own_low[0], own_low[1], own_low[2]), Vector3(own_high[0], own_high[1], own_high[2])); }
 };
 
-// A grain as the search for neighbours sees it.
+// A grain in the search for neighbours.
 struct Sphere {
   int tag;
   Vector3 x;

@@ -31,7 +31,7 @@ double links(const BondShare& b) {
 
 double points(const BondShare& b) { return b.points.points; }
 
-// Share of the area at one grain that the cement had when it was made. Sums over those of a list of each store that count.
+// Area of the links or contact points that count, over the attached area of the grain at creation.
 template <class List, class Counts>
 double share_of_area(const BondShare& b, int side, List PointStore::*list, Counts counts) {
   double area = 0.0;
@@ -51,7 +51,7 @@ double touching_share(const BondShare& b) {
   return share_of_area(b, side, &PointStore::contacts, [](const ContactPoint& p) { return p.closed; });
 }
 
-// The table: one line for each column. Scripts use the numbers of columns, so append new ones.
+// Scripts use the numbers of columns, so append new ones.
 std::vector<BondColumn> columns() {
   return {
       {"fx1", "force of the bond on its first grain (lower ID), along x", force<0, 0>},

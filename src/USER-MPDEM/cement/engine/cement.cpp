@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The recipes: layouts of a run, its start, steps, and their ends. Restart is in state.cpp.
+// Layouts, start and steps of a run. Restart is in state.cpp.
 #include "cement.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::s
   kinematics_ = scene_.formulation->kinematics(context);
 }
 
-// Clears the marks of parts, so that another fix starts from whole bonds.
+// Resets layers and connectivity of the points, so that another fix starts from bonds without cracks.
 Cement::~Cement() {
   for (Bond& b : scene_.bonds())
     for (BlockMeta& m : b.points.meta) {
@@ -69,7 +69,7 @@ void Cement::lay_out_run() {
   layout_manager_.lay_out(scene_.all_rows(), std::move(layers), {});
   condensing_.bind();
   open_contacts_of_files(scene_);
-  // Another time step needs other added mass than the last one, from a restart file too.
+  // The added mass depends on the time step, which may differ from that of the last step or of the restart file.
   const double dt = std::exchange(scene_.now.dt, scene_.dt_last);
   added_.refresh();
   scene_.now.dt = dt;
@@ -91,7 +91,7 @@ void Cement::lay_out_exchanged() {
   if (!any && rows.empty()) return;
   layout_manager_.lay_out(rows, layout_manager_.layers_at_start(), {});
   condensing_.bind();
-  scene_.grains.distribute_as_before(scene_.bonds(), scene_.now.dt);  // places go on before the cement follows its grains
+  scene_.grains.distribute_as_before(scene_.bonds(), scene_.now.dt);  // contacts are remapped before the cement follows its grains
   added_.refresh(rows);
   condensing_.condense(rows, false);
 }
@@ -106,7 +106,7 @@ void Cement::show_points() {
   condensed_.show_strains(scene_.bonds());
 }
 
-// Uses layouts of copies. The layout of the run comes later, when other fixes have taken up the step.
+// Uses layouts of copies, since other fixes need the time step before the layout of the run is made.
 EigenvalueEstimate Cement::eigenvalue_of_new_layout() const {
   if (stable_step_.bound_alone()) return stable_step_.eigenvalue();
   const std::vector<BondLayout> layouts = layouts_of_copies(nullptr);
@@ -138,7 +138,7 @@ void Cement::read_commanded_velocities() {
   if (!scene_.penalty || !grains.find_commands(scene_.comm, condensed_.pack())) return;
   scene_.energy.do_work(condensed_.work_of_commands(scene_.bonds(), scene_.dt_last));
   if (added_.any()) {
-    const auto power = [&](auto of_bond) {  // of the forces on nodes in the second half of the last step
+    const auto power = [&](auto of_bond) {  // of the nodal forces in the second half of the last step
       double sum = 0.0;
       for (const Bond& b : scene_.bonds().resolved()) sum += of_bond(b, b.grid.acceleration);
       return 0.25 * scene_.dt_last * (scene_.dt_last + scene_.now.dt) * sum;
@@ -158,7 +158,7 @@ void Cement::start_run() {
   BondedGrains& grains = scene_.grains;
   scene_.substep = scene_.now.substeps;
   grains.start_spreading(scene_.now.substeps);
-  kinematics_->start_run();  // added mass with the eigenvalue as it is known now
+  kinematics_->start_run();  // finds the added mass with the present estimate of the eigenvalue
   if (scene_.penalty && scene_.rows_started < static_cast<int>(scene_.bonds().table.size()))
     grains.start_added_mass(scene_.comm, scene_.bonds(), scene_.rows_started, added_.any(), scene_.energy);
   condensed_.follow(grains, scene_.weight().data());
@@ -175,8 +175,9 @@ void Cement::start_run() {
   grains.show_loads(scene_.now.substeps);
 }
 
-// A new time step comes with other added mass, so accelerations are not those that the last step found. The grains made
-// the half kick of the last step with these. So do the nodes, by what the whole kick that is to come lacks of it.
+// A new time step changes the added mass, and so the accelerations. The grains made the second half kick of the last
+// step with the former accelerations. Nodes make both half kicks at once with the new ones, so their velocities get the
+// difference here.
 void Cement::keep_half_kicks(const std::vector<std::vector<double>>& accelerations) {
   auto before = accelerations.begin();
   for (Bond& b : scene_.bonds().resolved()) {
@@ -187,13 +188,13 @@ void Cement::keep_half_kicks(const std::vector<std::vector<double>>& acceleratio
   }
 }
 
-// Velocities of bodies that were not in motion yet go back half a step. Their energy counts from here. So does the work
-// of the first half step, which is ahead.
+// Shifts the velocities of new bonds back by half a step. Their energy counts from here, with the work of the first
+// half step, which is ahead.
 void Cement::start_bonds() {
   const int rows = static_cast<int>(scene_.bonds().table.size());
   if (scene_.rows_started == rows) return;
   const double damped_ahead =
-      0.5 * scene_.dt_last * work_.of_dampers(scene_.rows_started).after(0.5 * scene_.dt_last);  // uses the velocities of this time
+      0.5 * scene_.dt_last * work_.of_dampers(scene_.rows_started).after(0.5 * scene_.dt_last);  // before the velocities are shifted
   if (scene_.penalty) scene_.grains.go_back_half_a_step(scene_.bonds(), scene_.dt_last);
   double mine = 0.0, energy;
   for (Bond& b : scene_.bonds().resolved()) {
@@ -256,7 +257,7 @@ void Cement::take_substeps() {
 void Cement::advance() {
   const FlushDenormals flush;
   BondedGrains& grains = scene_.grains;
-  // grains: the way in which they came here
+  // motion of the grains to their present positions
   grains.update_kinematics(scene_.now.dt, scene_.dt_last, static_cast<long>(scene_.now.number), scene_.energy);
   scene_.timer.start(StepTimer::kCoupling);
   const std::vector<int> moved = remap_contacts(scene_);
@@ -264,7 +265,7 @@ void Cement::advance() {
   condensed_.follow(grains, scene_.weight().data());
   grains.clear_sudden_forces();
   added_.follow_contacts(moved);
-  // bonds that come apart
+  // separation of bonds and node splitting
   topology_.update();
   // nodes, points, links
   forces_.begin(scene_.now.dt);
@@ -279,12 +280,12 @@ void Cement::advance() {
   scene_.timer.start(StepTimer::kCoupling);
   grains.keep_loads();
   forces_.react();
-  // bonds that wake, and those that are condensed again
+  // activate bonds, and condense bonds again
   if (condensing_.change()) find_forces_anew();
   scene_.timer.stop();
 }
 
-// Finds the forces of the step anew, in the way in which they are found at the start of a run.
+// As at the start of a run, so that a run divided at this step gives the same result.
 void Cement::find_forces_anew() {
   scene_.grains.take_back_loads();
   scene_.grains.distribute(scene_.bonds());

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The cement of a scene. It owns the parts that do the work. Its functions are the recipes: what happens at the start
-// of a run, in a step and in a layout. It knows no host program. A host gives it grains and steps, and takes loads,
-// velocities and reports, all in the axes of the box. doc/architecture.md describes the parts and the step.
+// The cement of a scene. It owns the components that do the work, and defines their order at the start of a run, in a
+// step and in a layout. It does not depend on a host program. The host gives it grains and time steps, and gets loads,
+// velocities and reports, all in the axes of the box. doc/architecture.md describes the components and the step.
 //
 // State after step n: u_n, v_n-1/2 and a_n at the nodes; F_n, strain and damage at the points. Consistent units.
-// Functions are collective, except those that only set or tell something. Bad states are thrown as BadState, see
+// Functions are collective, except setters and getters. Invalid states are thrown as BadState, see
 // parallel/agree.h.
 #ifndef MPDEM_CEMENT_ENGINE_CEMENT_H
 #define MPDEM_CEMENT_ENGINE_CEMENT_H
@@ -48,17 +48,17 @@ class Cement {
   // Settings of the script.
   const CementOptions& options() const { return scene_.options; }
   const Law& law() const { return *scene_.law; }
-  // Sets the density of the calcite. Throws BadState if cement moved with another one before.
+  // Sets the density of the calcite. Throws BadState if earlier steps had another one.
   void set_density(double density);
   void set_most_bytes(double bytes) { scene_.options.most_bytes = bytes; }
   double density() const { return scene_.density(); }
-  double inertia() const { return scene_.inertia; }  // density with the mass scale
+  double inertia() const { return scene_.inertia; }  // density times the mass scale
   // Sets the parameters of the links; null: no links.
   void couple(const PenaltyParameters* penalty);
   const std::optional<PenaltyParameters>& penalty() const { return scene_.penalty; }
   bool leaves_residue() const { return scene_.leaves_residue(); }
 
-  // Access to the scene, and to the parts that hosts speak to.
+  // Access to the scene and its components for the host.
   Bonds& bonds() { return scene_.bonds(); }
   BondedGrains& grains() { return scene_.grains; }
   const Cracks& cracks() const { return discontinuities_.cracks; }
@@ -74,51 +74,50 @@ class Cement {
   double dt() const { return scene_.now.dt; }  // time step of the cement
   int substeps() const { return scene_.now.substeps; }
 
-  // Makes all points have states of this law. New points have their damage as a tensor, points of a restart file have
-  // the state of a law. Throws BadState if the law cannot go on from them.
+  // Converts the states of all points to those of the law. New points have a damage tensor, points of a restart file
+  // the state of a law. Throws BadState if the law cannot start from them.
   void read_point_states();
 
-  // Rows of bonds that ask for their points before the next step, the same on all ranks. They wake in it.
+  // Rows of bonds that need their points before the next step, the same on all ranks. They are activated in it.
   const std::vector<int>& rows_that_want_points() const { return condensing_.rows_that_want_points(); }
-  // Call when the host has made the points of these rows of the table. Their layout follows.
+  // Call when the host has made the points of these rows, before their layout.
   void points_were_made(const std::vector<int>& rows);
 
-  // A run and its steps. A host calls these in this order:
+  // The host calls these in this order:
   //
   //   lay_out_run, start_run, then in each step: start_step, grains_moved, [lay_out_exchanged,] step, end_step.
   //
-  // Another order is an error of the host, and throws std::logic_error.
+  // Another order throws std::logic_error.
   //
-  // Lays out all bonds. Their grains and points are on the ranks that have them.
+  // Lays out all bonds. Grains and points must be on their ranks.
   void lay_out_run();
-  // Finds the forces at the start of the run. Grains have their velocities, and the loads of the host.
+  // Finds the forces at the start of the run. Grains must have their velocities and the loads of the host.
   void start_run();
-  // Call before the host moves its grains, when they have their velocities and loads of the end of the last step.
-  // commands: velocities may have been changed since that step.
+  // Call before the host moves its grains, which have the velocities and loads of the end of the last step. commands:
+  // commands may have changed velocities since then.
   void start_step(bool commands);
-  // Call when the host has moved its grains. With sub-steps this takes all but the last. It leaves the places where
-  // free grains arrive, and their velocities there, with the grains for the host to take over.
+  // Call when the host has moved its grains. Advances all sub-steps but the last. The host then has to copy the
+  // positions and velocities of free grains from grains().
   void grains_moved();
-  // Lays out bonds whose points or grains went to other ranks, or that got their points.
+  // Lays out bonds whose points or grains moved to other ranks, or that got their points.
   void lay_out_exchanged();
-  // Takes the step, or the last of its sub-steps. Grains have the loads of the host, and get those of the cement.
+  // Advances the step, or its last sub-step. Grains have the loads of the host, and get those of the cement.
   void step();
-  // Call when grains have their velocities of the end of the step.
+  // Call when grains have their velocities at the end of the step.
   void end_step();
-  // Call when the time step changed. Finds the added mass for the new one, and books what that mass gives up.
+  // Call when the time step changed. Finds the added mass for it, and counts the energy that this mass loses.
   void change_step();
-  // Brings the slots of points up to date, which fall behind while points change cells.
+  // Updates the slots of points, which are not kept sorted while points change cells.
   void sync_slots() { layout_manager_.sync_slots(); }
-  // Does so, and writes the strain of points of condensed bonds, for code that looks at points.
+  // Does so, and writes the strain of points of condensed bonds, for code that reads points.
   void show_points();
-  // Find properties of layouts yet to be made, and change nothing. A run need not have begun.
-  // eigenvalue_of_new_layout() finds the largest eigenvalue. stiffness_of_bonds() finds the static stiffness of each
-  // bond, with the bond and its grains as they are now. It needs links. grains_step() finds the largest step with which
-  // grains on massless bonds of that stiffness would be stable.
+  // Properties of layouts that are not made yet. These change nothing, and need no run. eigenvalue_of_new_layout():
+  // largest eigenvalue. stiffness_of_bonds(): static stiffness of each bond in the present state; needs links.
+  // grains_step(): stability limit of the time step of grains on massless bonds of that stiffness.
   EigenvalueEstimate eigenvalue_of_new_layout() const;
   std::vector<StiffnessOfBond> stiffness_of_bonds() const;
   double grains_step() const { return stable_step_.of_grains(stiffness_of_bonds()); }
-  // Does the same for a watch. Where a bond is nearly apart and has no static stiffness, there is no limit.
+  // The same, or no limit if a bond is almost separated and its static stiffness does not converge.
   double grains_step_if_known() const {
     try {
       return grains_step();
@@ -127,20 +126,20 @@ class Cement {
     }
   }
 
-  // Throws BadState if a node is not finite, a bonded grain is gone, cement is pressed too deep into a grain, or
-  // touching faces of a crack slid too far.
+  // Throws BadState if a node is not finite, a bonded grain is gone, cement is pressed too deep into a grain, or faces
+  // of a crack in contact slid too far.
   void check_state();
-  // Ligaments of bonds that hold. rows: rows of the table, ascending.
+  // Ligaments of intact bonds. rows: ascending.
   std::vector<Cracks::Ahead> cracks_ahead(const std::vector<int>& rows) { return topology_.ahead(rows); }
 
-  // Restart: packs the numbers of all ranks, complete on rank 0. head: what the host keeps.
+  // Restart: packs the state of all ranks, complete on rank 0. head: with the values of the host.
   std::vector<double> packed_state(CementHead head);
-  // Packs the motion of the nodes of this rank: rows (NodeRow) of each bond, one after the other, by row of the table.
+  // Packs the motion of the nodes of this rank: the NodeRows of each bond, by row of the table.
   std::map<int, std::vector<double>> packed_nodes() const { return mpdem::packed_nodes(scene_); }
-  // Takes up packed numbers, the same on every rank. head: as it was read. nodes: packed, any of those of all ranks on
-  // any rank. Throws BadState if the numbers are those of other options.
+  // Restores a packed state, the same on every rank. head: as it was read. nodes: packed; each node on any rank. Throws
+  // BadState if the state belongs to other options.
   void restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes);
-  // Returns the words of the law of damage that are others than in that head, with both values.
+  // Returns the options of the damage law that differ from that head, with both values; empty: none.
   std::string other_words_than(const CementHead& head) const;
   bool restored() const { return restored_; }
 
@@ -148,10 +147,10 @@ class Cement {
   std::vector<BondLayout> layouts_of_copies(const PenaltyParameters* penalty) const {
     return mpdem::layouts_of_copies(scene_, discontinuities_, restored_nodes_, layout_manager_.fresh_points(), penalty);
   }
-  // Where a host is in its run.
+  // The last call of the host.
   enum class Stage { none, laid_out, between_steps, step_started, grains_moved, step_taken };
 
-  // Throws std::logic_error if the host is at another stage than `from`.
+  // Throws std::logic_error if the stage is not `from`.
   void go_on(const char* call, Stage from, Stage to);
   void read_commanded_velocities();
   void take_substeps();
@@ -159,10 +158,10 @@ class Cement {
   void end_substep();
   void find_forces_anew();
   void start_bonds();
-  void keep_half_kicks(const std::vector<std::vector<double>>& accelerations);  // of the awake bonds, in the last step
+  void keep_half_kicks(const std::vector<std::vector<double>>& accelerations);  // accelerations of resolved bonds in the last step
   void restore_bonds(int bond_rows, RecordReader& in);
 
-  // Parts in the order in which they are made, since parts refer to those above them.
+  // Components in the order of construction: they refer to those above them.
   Scene scene_;
   Discontinuities discontinuities_;
   CondensedBonds condensed_;
@@ -179,7 +178,7 @@ class Cement {
   std::unique_ptr<Kinematics> kinematics_;
   Substeps substeps_{scene_};
   Report report_{scene_, discontinuities_.cracks, condensed_};
-  bool restored_ = false;  // the state is that of a restart file
+  bool restored_ = false;  // from a restart file
   Stage stage_ = Stage::none;
 };
 

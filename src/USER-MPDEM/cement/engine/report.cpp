@@ -23,12 +23,12 @@ void global_max(std::vector<double>& v, MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_DOUBLE, MPI_MAX, comm);
 }
 
-// Sums over nodes that count on this rank: kinetic energy, the kinetic energy that central differences keep, and
-// momenta about the origin of the box.
+// Sums over nodes that count on this rank: kinetic energy, the kinetic energy that central differences conserve,
+// momentum, and angular momentum about the origin of the box.
 struct NodeSums {
   double kinetic = 0, discrete_kinetic = 0, momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};
 
-  // Begins with the impulses that grains are yet to take. Nodes have had them in full.
+  // Starts with the impulses that the grains get in later steps. The nodes have got them in full.
   explicit NodeSums(const std::vector<Grain>& grains) {
     for (const Grain& grain : grains) {
       const double* p = grain.state->owed;
@@ -71,8 +71,8 @@ struct NodeSums {
   }
 };
 
-// Writes force, torque, and position of the grain from the origin of the body, in the axes of the box.
-// of_other_substeps: part of the impulse of a step that other sub-steps have.
+// Writes force, moment, and position of the grain from the origin of the bond coordinates, in the axes of the box.
+// of_other_substeps: share of the impulse of a step that acts in its other sub-steps.
 void tell(const BondEnd& s, double of_other_substeps, double* row) {
   const std::array<double, 6> load = in_box(s, s.force, s.torque), impulse = in_box(s, s.impulse, s.impulse + 3);
   const std::array<double, 3> x = turned(s.axes, s.x);
@@ -80,21 +80,23 @@ void tell(const BondEnd& s, double of_other_substeps, double* row) {
   std::copy(x.begin(), x.end(), row + 6);
 }
 
-// Energy of rounding. Positions are rounded as they are in the box, so springs and cement have energies of this order
-// even at rest. They have more where the rounding of many steps adds up. reach: reach of the box, in cells.
+// Energy due to rounding errors of positions, which scale with the coordinates in the box. Links and cement have
+// energies of this order even at rest, and more where errors accumulate over many steps. reach: largest coordinate, in
+// cells.
 double rounded_energy(double stiffness, double reach) {
   const double strain = std::numeric_limits<double>::epsilon() * reach;
   return 100.0 * stiffness * strain * strain;
 }
 
-// Kinetic energy of what is free of a grain.
+// Kinetic energy of the free degrees of freedom of a grain.
 double kinetic_energy(const Grain& g) {
   double sum = 0.0;
   for (int d = 0; d < 6; ++d) sum += g.free[d] ? 0.5 * (d < 3 ? g.mass : g.inertia) * g.velocity[d] * g.velocity[d] : 0.0;
   return sum;
 }
 
-// See Report::EnergyShares. put_in: into the cement. Rounding and what the books do not know may take it below the kinetic energy.
+// See Report::EnergyShares. put_in: energy put into the cement. Rounding, and work that the energy balance does not
+// count, may make it smaller than the kinetic energy.
 double kinetic_share_of(double cement_load, double of_grains, double put_in) {
   const double all = of_grains + std::max(put_in, cement_load);
   return all > 0.0 ? (of_grains + cement_load) / all : 0.0;
@@ -146,7 +148,7 @@ CementTotals Report::totals(double reach_of_box) const {
   const auto add_condensed = [&](int row) {
     of_points.add(condensed_.sums_of_points(row));
     const double energy = condensed_.energy_of_points(row);
-    sum[kElastic] += energy, sum[kCoupling] -= energy;  // the rest of its energy is in the links
+    sum[kElastic] += energy, sum[kCoupling] -= energy;  // condensed.elastic includes it; the rest is in the links
   };
   for (const Bond& bond : scene_.bonds()) {
     if (!scene_.bonds().is_resolved(bond)) {
@@ -203,7 +205,7 @@ void Report::set_totals(const std::vector<double>& sum, double reach_of_box, Cem
   unpack(&sum[kLeft], t.left);
   const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.frictional + t.left.energy;
   const double scale = std::max(std::fabs(t.external_work), spent);
-  // Central differences do not keep m/2 v.v but m/2 v-.v+, with the velocities half a step before and after.
+  // Central differences conserve m/2 v-.v+, with the velocities half a step before and after, instead of m/2 v.v.
   const double kept = spent - t.kinetic + sum[kDiscreteKinetic];
   const double stiffest =
       std::max(scene_.law->elasticity().C33, scene_.penalty ? scene_.penalty->law->stiffness().kn * scene_.options.cell : 0.0);
@@ -236,7 +238,7 @@ Report::EnergyShares Report::energy_shares() const {
 double Report::unbalanced_force(const std::vector<BondState>& loads, const Magnitudes& of_contacts) const {
   if (!scene_.laid_out) return 0.0;
   const std::vector<BondRecord>& table = scene_.bonds().table;
-  std::unordered_map<int, std::array<double, 3>> cement_load;  // force that accelerates the cement of a grain, by its tag
+  std::unordered_map<int, std::array<double, 3>> cement_load;  // by tag: force that accelerates the cement of a grain
   for (const Grain& g : scene_.grains.grains) cement_load[g.tag] = {};
   Magnitudes of_bonds;
   for (std::size_t i = 0; i < loads.size(); ++i) {
@@ -278,7 +280,7 @@ const std::vector<BondState>& Report::bond_loads() {
   for (std::size_t i = 0; i < n; ++i) states_[i].peak = peak[i];
   if (!scene_.laid_out) return states_;
   const double of_other_substeps = 1.0 - 1.0 / scene_.now.substeps;
-  constexpr std::size_t kSide = 9, width = 2 * kSide;  // force, torque, position of the grain from the origin of the body
+  constexpr std::size_t kSide = 9, width = 2 * kSide;  // see tell()
   std::vector<double> sum(width * n, 0.0);
   for (const BondedGrains::OwnedEnd& o : scene_.grains.owned()) {
     if (!scene_.penalty) break;
@@ -381,8 +383,7 @@ int Report::resolved_bonds() const {
   return static_cast<int>(std::count_if(rows.begin(), rows.end(), [this](int row) { return scene_.bonds().table[row].points > 0; }));
 }
 
-// Velocities are v_n = v_n-1/2 + dt a_n / 2. Points made since the grid was laid out are not on it yet and stay where
-// they are.
+// Velocities are v_n = v_n-1/2 + dt a_n / 2. Points made since the last layout have no nodes yet, and get no motion.
 void Report::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const {
   std::vector<double> velocity(bond.grid.velocity), displacement(bond.grid.displacement);
   for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += 0.5 * scene_.dt_last * bond.grid.acceleration[i];
@@ -404,7 +405,7 @@ void Report::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& mot
   });
 }
 
-// As for points, those that came since stay where they are.
+// Points made since the last layout get no motion.
 void Report::motion_of_film(const Bond& bond, std::vector<PointMotionNow>& motion) const {
   motion.resize(bond.film.laid_out_blocks());
   const double half = 0.5 * scene_.dt_last;

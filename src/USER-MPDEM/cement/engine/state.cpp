@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// State of the cement that points and grains do not hold, for restart files. cement_restart.h has its records.
+// Restart of the state that points and grains do not store. cement_restart.h has the records.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -27,7 +27,7 @@ LawSoFar law_of(const Law& law, const CementOptions& o) {
   return now;
 }
 
-// Fills in what words of a script say.
+// Copies the options of the script.
 void parse_words(CementHead& head, const CementOptions& o, const Law& law) {
   head.cell = o.cell;
   head.basis = o.basis;
@@ -42,14 +42,14 @@ void parse_words(CementHead& head, const CementOptions& o, const Law& law) {
   head.law = law_of(law, o);
 }
 
-// Words that have to stay for as long as the cement is in motion, with their numbers, and how far numbers may differ.
+// Options that must not change once the cement has moved. rounding: allowed relative difference of the numbers.
 struct KeptWords {
   std::string words;
   std::vector<double> numbers = {};
   double rounding = 0.0;
 };
 
-constexpr double kPrinted = 1e-5;  // of numbers that were printed
+constexpr double kPrinted = 1e-5;  // relative rounding of printed numbers
 
 std::vector<KeptWords> kept_words(const CementHead& h) {
   const double* e = h.elastic;
@@ -135,7 +135,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   return all;
 }
 
-// Reads the rows of bonds that follow the head. Bonds that made no step yet are new to the looks for cracks, and to the nodes that split.
+// Reads the rows of bonds that follow the head. Bonds that made no step yet have had no check for cracks.
 void Cement::restore_bonds(int bond_rows, RecordReader& in) {
   const int me = rank_in(scene_.comm);
   std::vector<Cracks::State> cracks(bond_rows);
@@ -154,11 +154,11 @@ void Cement::restore_bonds(int bond_rows, RecordReader& in) {
   }
   report_.restore(peaks);
   topology_.load_history().restore(std::move(largest), std::move(loads));
-  cracks.resize(scene_.rows_started);  // the first look at the others is still to come
+  cracks.resize(scene_.rows_started);  // the others have had no check yet
   discontinuities_.cracks.restore(std::move(cracks));
 }
 
-// Cement may have been made since the file was written.
+// The table may have more rows than the file, since cement may be new.
 void Cement::restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes) {
   check_kept(head, scene_.options, *scene_.law);
   const std::size_t table = scene_.bonds().table.size();

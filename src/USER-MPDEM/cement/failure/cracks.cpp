@@ -36,7 +36,7 @@ void direction_of_centres(const BondRecord& record, double* n) {
   for (int d = 0; d < 3; ++d) n[d] /= std::sqrt(length);
 }
 
-// Point l of block b. first_link: for each slot, its first link in the store.
+// Returns point l of block b. first_link: for each slot, its first link in the store.
 CrackPoint crack_point(const PointStore& points, const BondRecord& record, int b, int l, double damage, const std::vector<int>& first_link,
                        const double* axis, bool layers_are_pieces) {
   const BlockMeta& m = points.meta[b];
@@ -70,7 +70,7 @@ CrackPoint crack_point(const PointStore& points, const BondRecord& record, int b
   return p;
 }
 
-// Counts points that failed, and links that let go. Each counts by itself, so whatever breaks changes the sum.
+// Counts failed points and debonded links, each by itself, so every failure changes the sum.
 double count_broken(const PointStore& points) {
   int count = 0;
   for (const BlockMeta& m : points.meta) count += __builtin_popcount(m.failed);
@@ -85,12 +85,12 @@ int cells_across(const BondRecord& record, const CementOptions& options) {
   return std::max(1, static_cast<int>(std::lround(options.narrowest_bridge() / record.spacing)));
 }
 
-// Bonds as a whole, each on one rank.
+// Bonds collected as a whole, each on one rank.
 struct WholeBonds {
   struct Source {
     int rank, slot;
   };
-  // Points of each of the rows asked for, and where they are. Both are empty on other ranks.
+  // Points of each of the wanted rows, and the rank and slot that has them. Both are empty on other ranks.
   std::vector<std::vector<CrackPoint>> points;
   std::vector<std::vector<Source>> sources;
 };
@@ -111,8 +111,8 @@ void for_each_crack_point(const Bond& bond, const BondRecord& record, bool layer
         f(kLanes * b + l, crack_point(points, record, b, l, damage[b][l], first_link, axis, layers_are_pieces));
 }
 
-// Brings each of these bonds, ascending, to one rank. Collective. Points that are there already are not sent. Copies of
-// them would cost as much as the look at the bond, since a big scene does not have that memory in the cache.
+// Collective. Collects the points of each of these bonds (ascending) on one rank. Those of a bond that is there as a
+// whole are not sent: in large simulations copies are not in the cache, and cost as much as examining the bond.
 WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const CementOptions& options) {
   const int ranks = ranks_of(comm), me = rank_in(comm);
   const bool layers_are_pieces = options.reprojects();
@@ -169,7 +169,7 @@ void Cracks::watch_links(const Bond& bond) {
   for (int link : bond.link_step.debond) note(bond, bond.points.links[link].slot);
 }
 
-// A film that holds bridges the grains, wherever the rest is cracked.
+// Intact film bridges the grains, wherever the rest is cracked.
 void Cracks::watch_film(const Bond& bond) {
   State& s = states_[bond.row];
   if (bond.film.holds() || s.path_cut || s.separation.separated) return;
@@ -177,7 +177,7 @@ void Cracks::watch_film(const Bond& bond) {
   cut_.push_back(bond.row);
 }
 
-// The point at this slot carries no path any more, or none to a grain.
+// Records that no path leads over the point of this slot any more, or from it to a grain.
 void Cracks::note(const Bond& bond, int slot) {
   State& s = states_[bond.row];
   if (s.path_cut || s.separation.separated) return;
@@ -204,8 +204,8 @@ std::string Cracks::mode(std::size_t row) const { return broken(row) ? mode_of(s
 
 bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond) == states_[bond.row].broken_seen; }
 
-// Returns rows whose path is cut and where something broke since. Debris is looked for in all bonds that came apart,
-// since it may be in any of them.
+// Returns rows whose path is cut and where something failed since the last examination. Any separated bond may have new
+// fragments, so with `fragment` all resolved ones are candidates.
 std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool fragment, int from) {
   const auto take = [from](std::vector<int>& rows) {  // those before `from` stay
     const auto first = std::stable_partition(rows.begin(), rows.end(), [from](int row) { return row < from; });
@@ -215,7 +215,7 @@ std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool f
   };
   std::vector<int> rows = union_of_ranks(comm, take(cut_));
   const std::vector<int> fresh = take(new_);
-  rows.insert(rows.end(), fresh.begin(), fresh.end());  // in no row of the first kind: their paths are cut already
+  rows.insert(rows.end(), fresh.begin(), fresh.end());  // none is in `rows` yet: note() skips rows whose path is cut
   for (int row : rows) states_[row].path_cut = false;
   rows.erase(std::remove_if(rows.begin(), rows.end(), [&](int row) { return states_[row].separation.separated; }), rows.end());
   if (fragment) {
@@ -223,7 +223,7 @@ std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool f
       if (row >= from && states_[row].separation.separated) rows.push_back(row);
   }
   std::sort(rows.begin(), rows.end());
-  std::vector<double> now(2 * rows.size(), 0.0);  // broken so far; 1 if the film holds on a rank
+  std::vector<double> now(2 * rows.size(), 0.0);  // count_broken(); number of ranks with intact film
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const Bond* b = bonds.find(rows[n]);
     if (!b) continue;
@@ -234,7 +234,7 @@ std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool f
   std::vector<int> looked_at;
   for (std::size_t n = 0; n < rows.size(); ++n) {
     State& s = states_[rows[n]];
-    // watch_film() asks for the look once the film has failed
+    // watch_film() marks the bond once the film has failed
     if (now[2 * n + 1] > 0.0 || now[2 * n] == s.broken_seen) continue;
     s.broken_seen = now[2 * n];
     looked_at.push_back(rows[n]);
@@ -248,11 +248,11 @@ Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const Ceme
   if (looked_at.empty()) return found;
   const int ranks = ranks_of(comm);
 
-  // The bonds that come to this rank are whole.
+  // entries of bonds that another rank examines are empty
   const WholeBonds whole = collect(comm, bonds, looked_at, options);
   std::vector<std::vector<Held>> held(ranks);
   std::vector<std::vector<OfPath>> paths(ranks);
-  constexpr int kRow = 9;  // separated, areas, holds to other grains, points, areas of the film
+  constexpr int kRow = 9;  // separated, three areas, `connected` changed, has points, three areas of the film
   std::vector<double> result(kRow * looked_at.size(), 0.0);
   std::vector<Separation> separations(looked_at.size());
   for (std::size_t n = 0; n < looked_at.size(); ++n) {
@@ -273,7 +273,7 @@ Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const Ceme
   for (std::size_t n = 0; n < looked_at.size(); ++n) {
     const std::vector<CrackPoint>& points = whole.points[n];
     if (points.empty() || !separations[n].separated) continue;
-    if (options.split && separated(looked_at[n])) continue;  // nodes of debris split as points fail
+    if (options.split && separated(looked_at[n])) continue;  // nodes of fragments split as points fail
     std::vector<NodeSplitting::PointOfPiece>& pieces = found.came_apart.pieces[looked_at[n]];
     pieces.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -295,8 +295,8 @@ Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const Ceme
   for (std::size_t k = 0; k < looked_at.size(); ++k) {
     const double* row = &result[kRow * k];
     State& s = states_[looked_at[k]];
-    // The surface is that of the separation; what breaks later is debris.
-    // A bond that is all film has nothing else.
+    // The fracture surface is that of the first separation: what fails later only makes fragments. A bond without
+    // points is all film, and is examined only when that has failed.
     if (!s.separation.separated && (row[0] != 0.0 || row[5] == 0.0)) {
       s.separation.separated = true;
       for (int g = 0; g < 2; ++g) s.separation.at_grain[g] = row[1 + g] + row[6 + g];

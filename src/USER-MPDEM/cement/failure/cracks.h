@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Finds bonds that come apart. Bonds in which points failed are looked at as a whole, each by one rank, and their parts
-// get nodes of their own (fracture/separation.h, node_splitting.h). What is left of a shared node across a crack still pulls. So a path
-// of intact points from grain to grain is remembered. Its bond is looked at as soon as one of these points fails. Bonds
-// that have come apart are looked at again at the checks. For bonds that hold, the end of a run tells how much of them
-// is left (fracture/ligament.h).
+// Detects the separation of bonds. One rank examines a bond as a whole after points or links have failed, and the
+// pieces of a separated bond get nodes of their own (fracture/separation.h, node_splitting.h). A node shared across a
+// crack still transmits force, so a bond must be examined as soon as it may be separated. To know when, a path of
+// intact points from grain to grain is stored: the bond is examined when one of these points fails. Separated bonds are
+// examined again at the checks. At the end of a run the ligament of each connected bond is found (fracture/ligament.h).
+//
+// Throws std::logic_error if ranks disagree on the bonds to be examined.
 #ifndef MPDEM_CEMENT_FAILURE_CRACKS_H
 #define MPDEM_CEMENT_FAILURE_CRACKS_H
 
@@ -26,63 +28,62 @@ class Cracks {
   // State of each row of the table, the same on all ranks except path_cut.
   struct State {
     SeparatingSurface separation;
-    double broken_seen = 0;  // number of failed points and of links that let go, at the last look
-    std::vector<int> path;   // tags of the points of the path, ascending, see separation.h; empty: not known
-    bool path_cut = false;   // true: the path is cut on this rank
-    std::int64_t broken_at =
-        0;  // step at which it was found to carry nothing any more though it is not separated (load_history.h); 0: not yet
+    double broken_seen = 0;      // number of failed points and debonded links at the last examination
+    std::vector<int> path;       // tags of the points of the path, ascending, see separation.h; empty: not known
+    bool path_cut = false;       // the path is cut on this rank, or not searched yet
+    std::int64_t broken_at = 0;  // step at which the bond was found broken by its load (load_history.h) though not separated; 0: not yet
   };
   const State& operator[](std::size_t row) const { return states_[row]; }
   std::size_t size() const { return states_.size(); }
-  // Has nothing failed or let go since the last look? The bond must be whole on this rank and have come apart.
+  // True if nothing failed or debonded since the last examination. The bond must be separated and whole on this rank.
   bool has_seen(const Bond& bond) const;
   bool separated(std::size_t row) const { return row < states_.size() && states_[row].separation.separated; }
-  // Is the bond separated, or does it carry nothing any more? In the second case `separation` has the surface of a
-  // crack through what is left, until the bond is separated.
+  // True if the bond is separated or no longer carries load. In the second case `separation` has the surface of a crack
+  // through the ligament, until the bond is separated.
   bool broken(std::size_t row) const { return separated(row) || (row < states_.size() && states_[row].broken_at > 0); }
   void restore(std::vector<State> states) { states_ = std::move(states); }
 
-  // Marks bonds for a look that are new or come from a restart file. Returns true if some are new. Bonds of the file
-  // wait for the step of the next look, so that a run in parts is the run as a whole.
+  // Marks bonds that are new or come from a restart file for examination. Returns true if some are new. Bonds of the
+  // file wait for the next step that examines bonds, so that a restarted run equals an uninterrupted one.
   bool add_bonds(std::size_t rows);
-  // Notes whether the path of a bond is cut by the points that fail in this step.
+  // Records whether points that fail in this step cut the path of their bond.
   void watch(const Bond& bond);
-  // Notes that the film of a bond failed on this rank.
+  // Records that the film of a bond failed on this rank.
   void watch_film(const Bond& bond);
-  // Does the same for links that let go in this step of points that hold.
+  // Does the same for links that debond from intact points in this step.
   void watch_links(const Bond& bond);
-  // Collective. Is a path cut on any rank, or does a bond wait for its first look?
+  // Collective. True if a path is cut on any rank, or a bond waits for its first examination.
   bool some_path_is_cut(MPI_Comm comm) const;
 
-  // Collective. Looks at bonds in which points failed or links let go: those whose path is cut, and those that have
-  // come apart already if `debris`. skins: TractionLaw::leaves_residue(). Skins tell what let go from what broke beside
-  // it, so the band of a crack does not count there. Rows before `from` wait.
+  // Collective. Examines bonds in which points failed or links debonded: those whose path is cut and, with `fragment`,
+  // those that are separated already. residue: TractionLaw::leaves_residue(). Residue distinguishes debonding from a
+  // crack beside the interface, so the width of the damage band is not used then. Rows before `from` wait.
   struct Found {
     NodeSplitting::CameApart came_apart;
-    std::vector<int> held;  // bonds whose points hold to other grains now, PointRecord::holds; ascending
+    std::vector<int> held;  // bonds with points whose PointRecord::connected changed; ascending
   };
   Found detect_separations(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool residue, bool fragment, int from = 0);
 
-  // Collective. The ligament of each of these rows of bonds that hold, ascending, and the separating surface if the
-  // ligament failed.
+  // Collective. Finds the ligament of each of these bonds, and the fracture surface that its failure would give. rows:
+  // connected bonds, ascending.
   struct Ahead {
-    double left = 0.0, whole = 0.0;  // points of the ligament that hold; points of the ligament of the unbroken bond
-    Separation surface;              // separating surface if the ligament failed
+    double left = 0.0, whole = 0.0;  // number of points of the ligament, now and in the undamaged bond
+    Separation surface;
   };
   std::vector<Ahead> ahead(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows,
                            bool residue) const;
 
-  // Collective. For each slot of these bonds of which this rank has points, by row: the bits of the grains to which its piece is
+  // Collective. By row, for each slot of this rank's points: the bits of the grains to which the piece of the point is
   // attached now, see grains_held() of fracture/separation.h. rows: ascending, the same on all ranks.
   std::map<int, std::vector<char>> grains_held(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
                                                const std::vector<int>& rows) const;
 
-  // Collective. Notes that these bonds, ascending, carry nothing any more since this step. Those of them that are not
-  // whole count as broken.
+  // Collective. Records that these bonds (ascending) no longer carry load since this step. They count as broken if
+  // their ligament is less than that of the undamaged bond.
   void record_failures(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows, bool residue,
                        std::int64_t step);
 
-  // Returns `debonding`, `internal` or `mixed`.
+  // Returns `debonding` or `internal` if that has at least 90 % of the fracture surface, else `mixed`.
   static const char* mode_of(const SeparatingSurface& s);
   // Returns the mode of a broken bond, or `intact`.
   std::string mode(std::size_t row) const;
@@ -94,9 +95,9 @@ class Cracks {
                              bool residue) const;
 
   std::vector<State> states_;
-  std::size_t with_path_ = 0;  // number of rows that this object has taken up
+  std::size_t with_path_ = 0;  // number of rows registered by add_bonds()
   std::vector<int> cut_;       // rows whose path is cut on this rank, each once
-  std::vector<int> new_;       // rows that wait for their first look, the same on all ranks
+  std::vector<int> new_;       // rows that wait for their first examination, the same on all ranks
 };
 
 }  // namespace mpdem

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Holds what keeps nodes of a bond apart: nodes that are split, and what is known of its cracks. Layouts follow it
-// (layout.h), and Parting changes it.
+// Discontinuities of the displacement in all bonds: split nodes, and the state of cracks. Layouts read it (layout.h),
+// and TopologyUpdate changes it.
 #ifndef MPDEM_CEMENT_FAILURE_DISCONTINUITIES_H
 #define MPDEM_CEMENT_FAILURE_DISCONTINUITIES_H
 

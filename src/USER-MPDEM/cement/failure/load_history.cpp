@@ -14,7 +14,7 @@ namespace {
 
 Three<double> three(const double* x) { return {{x[0], x[1], x[2]}}; }
 
-// side: the first of the two sides.
+// ends: the first of the two ends of the bond.
 RelativeMotion<double> relative_motion(const BondRecord& record, const BondEnd* ends) {
   Mat3<double> turn[2];
   Three<double> arm[2];
@@ -27,8 +27,7 @@ RelativeMotion<double> relative_motion(const BondRecord& record, const BondEnd* 
   return {turn, arm, three(ends[1].x) - three(ends[0].x)};
 }
 
-// Returns the length of force and moment, or of displacement and rotation. The second three numbers are multiplied by
-// `unit`.
+// Norm of force and moment, or of displacement and rotation, with the second three numbers multiplied by `unit`.
 double size_of(const double* six, double unit) {
   double square = 0.0;
   for (int d = 0; d < 6; ++d) square += six[d] * six[d] * (d < 3 ? 1.0 : unit * unit);
@@ -37,13 +36,13 @@ double size_of(const double* six, double unit) {
 
 }  // namespace
 
-// Radius of the area of cement at the grains, taken as a disc.
+// Radius of a disc with the mean attached area of both grains.
 double LoadHistory::radius_of(const BondRecord& record) {
   return std::sqrt(0.5 * (record.attached_area[0] + record.attached_area[1]) / M_PI);
 }
 
 void LoadHistory::add(const BondedGrains& grains, const std::vector<BondRecord>& table, double dt) {
-  int at = -1;  // the first side of the bond whose motion is known
+  int at = -1;  // index of the first end of the bond that has `motion`
   RelativeMotion<double> motion;
   for (const BondedGrains::OwnedEnd& o : grains.owned()) {
     if (static_cast<std::size_t>(o.row) >= sums_.size()) continue;
@@ -77,11 +76,11 @@ std::vector<LoadHistory::Sums> LoadHistory::gather_on_first(MPI_Comm comm) {
   return all;
 }
 
-// Most looks end no window, so times go to all ranks first, and loads and motions of those rows alone whose window ends.
+// Most checks end no window. So ranks sum the times first, and then loads and motions only of rows whose window ends.
 std::vector<int> LoadHistory::find_failed(MPI_Comm comm, const std::vector<BondRecord>& table, double shear_speed) {
   std::vector<double> time;
   for (std::size_t r = 0; r < sums_.size(); ++r) {
-    if (table[r].condensed) sums_[r] = Sums{};  // a window does not go on after a sleep
+    if (table[r].condensed) sums_[r] = Sums{};  // a window does not continue after the bond was condensed
     time.push_back(sums_[r][0]);
   }
   if (!time.empty()) MPI_Allreduce(MPI_IN_PLACE, time.data(), static_cast<int>(time.size()), MPI_DOUBLE, MPI_SUM, comm);

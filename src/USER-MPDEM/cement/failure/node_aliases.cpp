@@ -21,13 +21,13 @@ int node_for(const Grid& grid, const Key& standing) {
   return node;
 }
 
-// Writes the borrowed nodes into the list of the block.
+// Writes the aliases of a block into its list.
 void add_aliases(const BlockMeta& m, Grid& grid, const NodeSplitting& splits) {
   int* to = &grid.aliases[m.aliases];
   for (const Key& k : splits.representative_of(m, support(grid.basis))) *to++ = node_for(grid, k);
 }
 
-// Finds those of the borrowed nodes of a block anew that are touched.
+// Finds those aliases of a block again that are marked in `touched`.
 void find_aliases_anew(const BlockMeta& m, Grid& grid, const NodeSplitting& splits, const std::vector<char>& touched) {
   int* to = &grid.aliases[m.aliases];
   for (int i = 0, n = count_of_nodes(m, support(grid.basis)); i < n; ++i)
@@ -65,7 +65,7 @@ void NodeAliases::find(PointStore& points, Grid& grid, const NodeSplitting& spli
 
 void NodeAliases::find_anew(PointStore& points, Grid& grid, const NodeSplitting& splits, const std::vector<int>& nodes) const {
   if (!allowed_) return;
-  // Blocks whose points went to other parts left their lists behind.
+  // Lists of blocks whose points moved to other layers are still in grid.aliases.
   std::size_t used = 0;
   for (const BlockMeta& m : points.meta)
     if (may_alias(m)) used += count_of_nodes(m, support(grid.basis));

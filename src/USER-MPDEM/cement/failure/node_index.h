@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Keys of the grid (parallel/key.h) as nodes of one part of a bond at a place, and back.
+// Converts keys of grid nodes (parallel/key.h) to grid indices of a bond, and back.
 #ifndef MPDEM_CEMENT_FAILURE_NODE_INDEX_H
 #define MPDEM_CEMENT_FAILURE_NODE_INDEX_H
 
@@ -11,7 +11,7 @@
 
 namespace mpdem {
 
-// grid_index_of() is the place of a node in the grid of its bond. key_at() is the key of the node of a part at a place.
+// Indices count in the grid of the bond. key_at() gives the node of one layer.
 inline GridIndex grid_index_of(const Key& k) { return k.index(); }
 inline Key key_at(int row, int layer, const GridIndex& p) { return {field_of(row, layer), p[0], p[1], p[2]}; }
 

@@ -25,8 +25,8 @@ struct SentCrevicePoint {
   int row;
   CrevicePoint point;
 };
-constexpr char kLookedAt = 1, kToCome = 2;
-constexpr int kBetween = -1;  // piece between the grains; it has a number of its own, so that it does not matter which grain is the first
+constexpr char kLookedAt = 1, kToCome = 2;  // bonds to examine: the lattice is there; the points must be collected first
+constexpr int kBetween = -1;  // piece of points between the grains; a number of its own keeps the order of the grains without effect
 
 struct SentTag {
   int row, tag;
@@ -56,7 +56,7 @@ SentPoint sent_point(const PointStore& points, int row, const BondRecord& record
   p.tag = points.tags[b][l];
   for (int d = 0; d < 3; ++d) {
     p.cell[d] = position.cell[d];
-    // blocks of points that came from elsewhere know of no cell yet
+    // the block of a point that was received has no cell yet
     p.base[d] = support_base(points.blocks[b].X[d][l], 1.0 / options.cell, cell_shift(options.basis));
     p.at[d] = points.blocks[b].X[d][l] / options.cell - p.base[d];
   }
@@ -91,7 +91,7 @@ void for_each_point(const PointStore& points, F f) {
       if (points.meta[b].occupied >> l & 1) f(b, l);
 }
 
-// Brings the points of the bonds asked for to the ranks that look at these bonds. Collective.
+// Collective. Sends the points of the wanted bonds to the ranks that examine these bonds.
 std::vector<std::vector<SplitterPoint>> collect(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
                                                 const std::vector<char>& wanted) {
   const int ranks = ranks_of(comm);
@@ -106,7 +106,7 @@ std::vector<std::vector<SplitterPoint>> collect(MPI_Comm comm, const Bonds& bond
   return whole;
 }
 
-// Finds where the sides of these bonds come close without touching, on the ranks that look at them. Collective.
+// Collective. Finds the unbonded gaps of the wanted bonds, on the ranks that examine them.
 std::map<int, Crevice> find_crevices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
   const int ranks = ranks_of(comm);
   const double reach = crevice_reach(options.basis, options.cell);
@@ -129,7 +129,7 @@ std::map<int, Crevice> find_crevices(MPI_Comm comm, const Bonds& bonds, const Ce
   return found;
 }
 
-// Gives points whose part another fix made to part 0, except those that have a new part.
+// Moves points with a layer from an earlier fix to layer 0, except those that have a new layer.
 void leave_former_layers(const Bond& bond, NewLayersOfBonds& found) {
   for_each_point(bond.points, [&](int b, int l) {
     if (bond.points.meta[b].layer != 0) found[bond.row].layer_of_slot.emplace(kLanes * b + l, 0);
@@ -140,7 +140,7 @@ void leave_former_layers(const Bond& bond, NewLayersOfBonds& found) {
 
 const NodeSplitting::Row NodeSplitting::kWhole{};
 
-// Sends what changed from the ranks that looked to those that have points of the bonds.
+// Sends changes from the ranks that examine the bonds to those that have points of them.
 NewLayersOfBonds NodeSplitting::apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows,
                                       const std::vector<NodeChange>& changes) {
   const int ranks = ranks_of(comm);
@@ -172,7 +172,7 @@ NewLayersOfBonds NodeSplitting::apply(MPI_Comm comm, const Bonds& bonds, const s
                                           [](const SentLayer& a, const SentLayer& b) { return a.row < b.row; });
     if (of_bond.first == of_bond.second) continue;
     std::map<int, int>& layer_of_slot = found[r].layer_of_slot;
-    constexpr int kMarks = 1 << 12;  // most points are not among them
+    constexpr int kMarks = 1 << 12;  // a filter by tag: most points do not move
     std::vector<char> marks(kMarks, 0);
     for (auto m = of_bond.first; m != of_bond.second; ++m) marks[m->tag % kMarks] = 1;
     for_each_point(bond->points, [&](int b, int l) {
@@ -234,7 +234,7 @@ NewLayersOfBonds NodeSplitting::start(MPI_Comm comm, Bonds& bonds, const CementO
     Row& row = rows_[r];
     changes.back() = lattice.start(row.copies, crevices[r]);
     if (is_new[r]) continue;
-    // a bond of a file has its copies from the file
+    // only the lattice and the continuations are needed: a bond of a restart file has its copies from the file
     changes.back() = NodeChange();
     row.copies.forget_rows();
   }
@@ -272,7 +272,7 @@ NodeSplitting::Found NodeSplitting::find_splits(MPI_Comm comm, Bonds& bonds, con
   Found found;
   const int ranks = ranks_of(comm), me = rank_in(comm), n = static_cast<int>(bonds.table.size());
   std::vector<std::vector<SentTag>> out(ranks);
-  // later no condensed bond has such points, see Condensing::rests()
+  // a bond with such points is not condensed, see Condensing::rests()
   const auto is_due = [&](const Bond& b) { return from == kResolved ? bonds.is_resolved(b) : b.row >= from; };
   for (const Bond& bond : bonds)
     for (std::size_t b = 0, end = is_due(bond) ? bond.points.meta.size() : 0; b < end; ++b) {
@@ -378,7 +378,7 @@ void NodeSplitting::bring(MPI_Comm comm, const Bonds& bonds) {
   for (int r = 0; r < first(); ++r) {
     if (r % ranks == me) continue;
     const Bond* bond = bonds.find(r);
-    if (!bond || !bond->has_points()) {  // what is known of the bond grows old, except what all ranks have to agree on
+    if (!bond || !bond->has_points()) {  // phantom nodes stored here would not be updated; `edges` is the same on all ranks
       rows_.erase(r);
       known_[r].copies = false;
     } else if (!known_[r].copies) {

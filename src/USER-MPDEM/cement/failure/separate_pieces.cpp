@@ -8,9 +8,9 @@ namespace mpdem {
 
 namespace {
 
-// Nodes of points that go to a part of their own take over the motion of the nodes that these points had.
+// Nodes of points that move to a new layer take over the motion of the nodes that these points had.
 void add_sources(const Bond& bond, int support, NewLayers& layers) {
-  int block = -1, layer = -1;  // points of a block mostly go together
+  int block = -1, layer = -1;  // of the last point: points of a block mostly move together
   for (const auto& p : layers.layer_of_slot) {
     if (p.first / kLanes == block && p.second == layer) continue;
     block = p.first / kLanes;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Pieces of bonds where points meet other nodes as they move. No node has copies there (node_splitting.h).
+// Separation of bonds without phantom nodes, whose points meet other nodes as they move (CementOptions::reprojects()).
 #ifndef MPDEM_CEMENT_FAILURE_SEPARATE_PIECES_H
 #define MPDEM_CEMENT_FAILURE_SEPARATE_PIECES_H
 
@@ -9,7 +9,7 @@
 
 namespace mpdem {
 
-// Each piece of a bond that came apart is a part, and a part has all its nodes for itself.
+// Each piece of a separated bond is a layer with nodes of its own, so pieces share no node.
 class SeparatePieces : public NodeSplitting {
  public:
   std::unique_ptr<NodeSplitting> copy() const override { return std::make_unique<SeparatePieces>(*this); }
@@ -26,7 +26,7 @@ class SeparatePieces : public NodeSplitting {
   NodeChange separate(int row, const std::vector<PointOfPiece>& pieces, const CementOptions& options) override;
 };
 
-// Pieces may meet again, so they share their nodes.
+// Pieces may touch again: they keep the nodes that they share.
 class JoinedPieces : public SeparatePieces {
  public:
   std::unique_ptr<NodeSplitting> copy() const override { return std::make_unique<JoinedPieces>(*this); }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodes of copies, and their ties and volumes (node_splitting.h).
+// Class NodeSplitting: nodes with copies, their constraints and volumes.
 #include <algorithm>
 
 #include "node_index.h"
@@ -43,7 +43,7 @@ void NodeSplitting::drop_edges(const std::vector<int>& rows) {
   }
 }
 
-// Returns the node that stands now for a node of the start, or none if that node has been split.
+// Returns the present representative of a node of the start, or kNoNode if that node has been split since.
 Key NodeSplitting::now(const Key& at_start) const {
   const int bond_row = row_of(at_start.field());
   const int layer = copies(bond_row).representative_of_first(layer_of_field(at_start.field()), grid_index_of(at_start));
@@ -60,7 +60,7 @@ std::vector<Key> NodeSplitting::nodes_beside(const PointStore& points, int bond_
     last = &m;
     for_each_node(m, S, [&](const GridIndex& p) { nodes.push_back(key_at(bond_row, copies.representative(m.layer, p), p)); });
   }
-  // Edges of nodes that have split since need no masters. Which of these edges a rank knows depends on when it found them.
+  // The constraint of a node that has split since is void, and is stored only on ranks that found it before.
   for (const ExtensionConstraint& t : row(bond_row).edges) {
     if (now(t.slave) == kNoNode) continue;
     for (const auto* of_tie : {&t.masters, &t.mass_receivers})
@@ -114,8 +114,8 @@ void NodeSplitting::find_users(Row& row) const {
   sort_unique(row.dependents);
 }
 
-// Finds nodes of all parts at the places that split, and edges that were tied to nodes there at the start. Most parts
-// are small, so each is searched by itself.
+// Finds nodes of all layers at the grid indices that split, and edge nodes with masters or mass receivers there at the
+// start. Most layers are small, so each is searched by itself.
 std::vector<int> NodeSplitting::nodes_touched(const Grid& grid, int bond_row, const std::vector<Key>& split) {
   Row& row = rows_[bond_row];
   if (row.dependents.empty()) find_users(row);

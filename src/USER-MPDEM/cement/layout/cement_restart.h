@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Records that a restart file keeps of the cement besides its points and grains: a version, a head, a row for each
-// bond, and rows of the nodes that are split, one after the other. The motion of the nodes stands with the points of
-// their bonds (AtomVecMpdem::write_with_points), a row for each node. It is the bulk of the data, and LIGGGHTS has 2
-// GiB for what a fix writes.
+// Records of the cement in a restart file, besides its points and grains, in this order: a version, a head, a row for
+// each bond, and rows of the split nodes. The motion of the nodes is stored with the points of their bonds
+// (AtomVecMpdem::write_with_points), a row for each node. It is most of the data, and LIGGGHTS limits what a fix writes
+// to 2 GiB.
 #ifndef MPDEM_CEMENT_LAYOUT_CEMENT_RESTART_H
 #define MPDEM_CEMENT_LAYOUT_CEMENT_RESTART_H
 
@@ -20,7 +20,7 @@
 
 namespace mpdem {
 
-// The links used in the steps so far. Later steps must use the same.
+// The links of the steps so far. Later steps must use the same.
 struct LinksSoFar {
   enum Kind { kNoSteps, kLinks, kNone } kind = kNoSteps;
   double kn = 0.0, kt = 0.0;
@@ -42,7 +42,7 @@ struct LinksSoFar {
   }
 };
 
-// The law of damage of the steps so far. Later steps may have another, which the user is told of.
+// The damage law of the steps so far. Later steps may have another, which is reported to the user.
 struct LawSoFar {
   int law = 0;  // number of the law, law_number()
   double value[Law::kMostWords] = {}, length = 0.0, energy = 0.0, imperfection = 0.0;
@@ -62,14 +62,14 @@ struct CementHead {
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
-  double step = 0.0;     // time step; stored velocities lie half of it behind the time
-  int rows_started = 0;  // number of bonds at the head of the table that have moved; later ones are as they were made
+  double step = 0.0;     // time step; stored velocities are those half a step earlier
+  int rows_started = 0;  // number of bonds at the head of the table that have moved; later ones are as made
   double start_energy = 0.0;
   EnergyBalance::Sums energy;  // sums over all ranks
   double time = 0.0;
   double eigenvalue = 0.0;       // largest eigenvalue; 0: not known
   double auto_step = 0.0;        // time step that `timestep auto S` found last
-  double auto_share = 0.0;       // its S; 0: there is no such step
+  double auto_share = 0.0;       // its S; 0: it found none
   double longest_substep = 0.0;  // longest sub-step of `subcycle auto`; 0: none was found
   LinksSoFar links;
   LawSoFar law;
@@ -77,9 +77,9 @@ struct CementHead {
   double elastic[5] = {0, 0, 0, 0, 0};  // constants of the elasticity, VtiConstants
   double mass_scale = 1.0;
   double density = 0.0;      // of the calcite
-  bool split = false;        // do nodes split, see fracture/phantom_nodes.h
-  int rows = 0, copies = 0;  // numbers of rows that follow
-  double nodes = 0.0;        // number of rows of nodes, of all ranks
+  bool split = false;        // do nodes split as points fail, see fracture/phantom_nodes.h
+  int rows = 0, copies = 0;  // numbers of BondRow and CopyRow that follow
+  double nodes = 0.0;        // number of NodeRow on all ranks
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& h, Visitor& visit) {
@@ -110,7 +110,7 @@ struct CementHead {
 };
 
 struct BondRow {
-  double broken_seen = 0.0;  // number of failed points and of links that let go when the bond was looked at last
+  double broken_seen = 0.0;  // number of failed points and debonded links at the last check of the bond
   SeparatingSurface separation;
   double peak = 0.0;       // largest tension so far
   double broken_at = 0.0;  // the step Cracks::State::broken_at
@@ -143,7 +143,7 @@ struct NodeRow {
   }
 };
 
-// A part of a bond at a node that is split, see PhantomNodes.
+// The phantom node of one layer of a bond at a split node, see PhantomNodes.
 struct CopyRow {
   int row = 0, index[3] = {0, 0, 0};
   int layer = 0, copy = 0, first = 0;
@@ -160,7 +160,7 @@ struct CopyRow {
   }
 };
 
-// Count of the numbers that follow a head.
+// Number of values that follow a head.
 inline std::size_t numbers_after(const CementHead& h) {
   return static_cast<std::size_t>(kMostNumbers<BondRow>) * h.rows + static_cast<std::size_t>(kMostNumbers<CopyRow>) * h.copies;
 }

@@ -26,7 +26,7 @@ Vector3 axis_at(const Vector3& X, const BondRecord& record, const CementOptions&
   return radial_axis(X, centre, record.radius, record.spacing);
 }
 
-// Sets the frame of each new point. The third axis is the axis of the elasticity. axis(X): a vector along it.
+// Sets the frame of each new point. Its third axis is the axis of the stiffness. axis(X): a vector along this axis.
 template <class Axis>
 void set_frames(PointStore& points, const Law& law, Axis axis) {
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
@@ -41,7 +41,7 @@ void set_frames(PointStore& points, const Law& law, Axis axis) {
       f.x[l] = q.x();
       f.y[l] = q.y();
       f.z[l] = q.z();
-      if (m.damaged && law.state_is_tensor()) {  // the damage was given in the axes of the bond
+      if (m.damaged && law.state_is_tensor()) {  // the initial damage is in the axes of the bond
         const Sym3<vd> D = rotate_back(rotation_matrix(f), state_of<TensorDamage>(points, static_cast<int>(b)));
         const double numbers[6] = {D.xx[l], D.yy[l], D.zz[l], D.yz[l], D.xz[l], D.xy[l]};
         points.set_state(kLanes * static_cast<int>(b) + l, numbers);
@@ -69,8 +69,8 @@ class LayoutMaker {
     for (std::size_t n = 0; n < layouts_.size(); ++n) start(requests_[n], layouts_[n]);
     NodeSplitting& splits = rules_.splits;
     const bool finds_edges = rules_.options.tied && !splits.edges_known(rows_);
-    // A slave of this rank may have its masters on others. These then come here as nodes of no cell. A plan of the
-    // grids tells which.
+    // The masters of a constrained node of this rank may be on other ranks. They are added here as nodes without cells.
+    // A first grid without motion (a plan) shows which.
     if (finds_edges && ranks > 1) {
       std::vector<Grid> plans(layouts_.size());
       build(plans, false);
@@ -108,7 +108,7 @@ class LayoutMaker {
     if (rules_.penalty) l.links = PenaltyLinks(l.points, record, *rules_.penalty, o.cell, rules_.density, o.basis);
   }
 
-  // Builds grids with nodes for all cells and masters, with the motion before or at rest.
+  // Builds grids with nodes for all cells and masters, with the previous motion or at rest.
   void build(std::vector<Grid>& grids, bool with_motion) {
     const NodeAliases aliases(rules_.options, rules_.penalty);
     std::vector<GridRequest> wanted(grids.size());
@@ -118,8 +118,8 @@ class LayoutMaker {
       w.grid = &grids[n];
       w.cells = cells_of(layouts_[n], aliases);
       w.extra = rules_.splits.nodes_beside(layouts_[n].points, layouts_[n].row, support(rules_.options.basis));
-      // Copies are needed where faces touch, see crack_faces.h. A rank whose last point has left has no bond any
-      // more, and shares none of its nodes.
+      // Contact of crack faces needs all phantom nodes, see coupling/crack_faces.h. A rank whose last point of the bond
+      // has left shares none of its nodes.
       if (rules_.options.split && rules_.penalty && rules_.penalty->friction >= 0.0 && !layouts_[n].points.blocks.empty()) {
         const std::vector<Key> copies = rules_.splits.copies_of(layouts_[n].row);
         w.extra.insert(w.extra.end(), copies.begin(), copies.end());
@@ -143,7 +143,7 @@ class LayoutMaker {
     }
   }
 
-  // Collective. Keeps the ties that nodes at the edge had at the start.
+  // Collective. Finds and stores the constraints that edge nodes have at the start.
   void keep_edges(std::vector<Grid>& grids) const {
     const NodeSplitting& splits = rules_.splits;
     std::vector<std::pair<Key, double>> all;
@@ -166,11 +166,11 @@ class LayoutMaker {
     nodes.next = [&splits](const Key& k, int direction) { return splits.next(k, direction); };
     std::vector<ExtensionConstraint> edges = find_extension_constraints(rules_.comm, rules_.options.basis, nodes);
     for (ExtensionConstraint& t : edges)
-      if (rules_.options.split) std::vector<std::pair<Key, double>>().swap(t.behind);  // these grids have no chain, and keep the edges
+      if (rules_.options.split) std::vector<std::pair<Key, double>>().swap(t.behind);  // unused by grids that are not chained
     rules_.splits.keep_edges(rows_, std::move(edges));
   }
 
-  // Returns for each layout whether some rank has ties in it.
+  // Returns for each layout whether some rank has constrained nodes in it.
   std::vector<char> tied_anywhere(const std::vector<std::vector<ExtensionConstraint>>& ties) const {
     std::vector<char> of_rows(rows_.size(), 0), any;
     const auto at = [&](std::size_t n) { return index_in(rows_, layouts_[n].row, "bond"); };
@@ -188,7 +188,7 @@ class LayoutMaker {
 
 }  // namespace
 
-// Columns are along the line of centres, so that is their axis with `axis radial`, too: it lies between the normals of their ends.
+// Columns are along the line of centres. So is their axis with `axis radial`, between the normals of their two ends.
 void lay_out_film(Film& film, const BondRecord& record, const CementOptions& options, const std::shared_ptr<const Law>& law) {
   film.lay_out(record, law);
   CementOptions of_film(options);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The layout of bonds: blocks of points by cell, links, grid, ties of its edge nodes (mpm/extension_constraints.h), and lumped
-// mass. It is a function of the points and of what moved before. It changes nothing but what it is given. So a layout
-// may be made to ask something of it, and be dropped.
+// The layout of bonds: blocks of points by cell, links, grid, constraints of its edge nodes
+// (mpm/extension_constraints.h), and lumped mass. It is a function of the points and of the previous nodal motion, and
+// changes only its arguments. So a layout may also be made for a query, and dropped.
 //
-// Nodes stay tied in bonds that came apart, too, where they are not split, see node_splitting.h.
+// Edge nodes remain constrained in separated bonds, too, where they are not split, see node_splitting.h.
 #ifndef MPDEM_CEMENT_LAYOUT_LAYOUT_H
 #define MPDEM_CEMENT_LAYOUT_LAYOUT_H
 
@@ -24,7 +24,7 @@ namespace mpdem {
 struct LayoutRequest {
   int row = 0;
   PointStore points;
-  NodeKinematics before;  // motion of the nodes of the bond, of this rank or of all
+  NodeKinematics before;  // previous motion of the nodes of the bond, of this rank or of all
   NewLayers layers;
 };
 
@@ -33,29 +33,29 @@ struct LayoutRules {
   const std::vector<BondRecord>& table;
   const CementOptions& options;
   const std::shared_ptr<const Law>& law;       // law of all points, also of those from other ranks
-  double density = 0;                          // density of the inertia
+  double density = 0;                          // with the mass scale
   const PenaltyParameters* penalty = nullptr;  // null: no links
   NodeSplitting& splits;
   const Formulation& formulation;
-  bool arrange = true;  // false: blocks stay as they are
+  bool arrange = true;  // false: keep the blocks as they are
 };
 
 struct BondLayout {
   int row = 0;
   PointStore points;
-  Film film;  // of copies alone; make_layout() leaves it empty
+  Film film;  // set only in layouts for queries; make_layout() leaves it empty
   Grid grid;
   PenaltyLinks links;
-  std::vector<char> fresh;    // of each node: 1 if no rank had it before
-  std::vector<int> new_slot;  // new slot of each slot before, -1 for an empty one
+  std::vector<char> fresh;    // of each node: 1 if no rank had the node before
+  std::vector<int> new_slot;  // new slot of each former slot, -1 for an empty one
 };
 
-// Collective. Lays out the bonds of these rows of the table, ascending, the same on all ranks. requests: those of these
-// bonds of which this rank has points or nodes. Throws BadState on all ranks if the grids take more memory than they
-// may.
+// Collective. Lays out the bonds of these rows of the table, ascending, the same on all ranks. requests: one for each
+// of them with points or nodes on this rank. Throws BadState on all ranks if the grids would exceed
+// CementOptions::most_bytes.
 std::vector<BondLayout> make_layout(const LayoutRules& rules, const std::vector<int>& rows, std::vector<LayoutRequest> requests);
 
-// Lays out the film of a bond. It has no nodes, so no other rank need know.
+// Lays out the film of a bond. Not collective, since a film has no nodes.
 void lay_out_film(Film& film, const BondRecord& record, const CementOptions& options, const std::shared_ptr<const Law>& law);
 
 }  // namespace mpdem

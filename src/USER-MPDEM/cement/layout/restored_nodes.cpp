@@ -64,7 +64,7 @@ void RestoredNodes::take(std::vector<NodeRow> rows) {
   }
 }
 
-// Rows go to all ranks that have points of their bond. They go by way of one rank for each bond.
+// Rows first go to a home rank of their bond, which sends them to all ranks that have points of the bond.
 void RestoredNodes::bring() {
   if (of_all_ < 0.0) return;
   const int ranks = ranks_of(scene_.comm);

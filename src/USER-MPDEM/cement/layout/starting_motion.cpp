@@ -13,7 +13,7 @@ namespace mpdem {
 void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
   const int first = scene.rows_started, rows = static_cast<int>(scene.bonds().table.size()) - first;
   if (rows == 0) return;
-  // Normal equations of v = A (1, X/cell), 4 x 4 and 4 x 3 for each body.
+  // Normal equations of v = A (1, X/cell), 4 x 4 and 4 x 3 for each bond.
   constexpr int kNormal = 28;
   std::vector<double> sums(static_cast<std::size_t>(kNormal) * rows, 0.0);
   struct New {
@@ -81,7 +81,7 @@ void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
         grid.velocity[3 * i + d] = v;
       }
     }
-    // only fresh nodes; for those in motion it would do nothing but round
+    // Only fresh nodes: for the others the extrapolation would change nothing but rounding.
     std::vector<double> extended(grid.velocity);
     grid.ties.extend(extended.data());
     for (std::size_t i = 0; i < extended.size(); ++i)

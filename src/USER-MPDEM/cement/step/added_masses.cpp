@@ -27,7 +27,7 @@ void AddedMasses::find(const std::vector<Bond*>& bonds) {
   if (!scene_.penalty) return;
   const CementOptions& o = scene_.options;
   const bool known = stable_step_.eigenvalue_is_known();
-  // Damping takes a part of the bound in every step. Nodes with added mass cannot have that part.
+  // Damping uses part of the stability bound in every step. Only the rest is left for nodes with added mass.
   const double bound = scene_.stability_limit() * std::max(0.1, 1.0 - 0.5 * stable_step_.relaxation_rate(o.relax) * scene_.now.dt);
   const AddedMass::Stability s{scene_.now.dt, known ? stable_step_.known_eigenvalue() : scene_.eigenvalue_bound(), !known, bound};
   for (Bond* b : bonds)
@@ -40,7 +40,7 @@ void AddedMasses::find(const std::vector<Bond*>& bonds) {
   scene_.grains.added_mass_changed();
 }
 
-// The layout has the added mass for the eigenvalue that was known before. So this looks whether the eigenvalue changed.
+// The layout has the added mass of the eigenvalue known before, which remains valid unless the eigenvalue changed.
 void AddedMasses::follow(const std::vector<int>& rows, const char* event, const StableStep::Patches* patches) {
   if (stable_step_.check_after(rows, event, patches)) refresh();
 }
@@ -88,8 +88,8 @@ void AddedMasses::drop_inert() {
   });
 }
 
-// Links that let go are dropped here as a new layout would leave them out, since sums over links go by their blocks. So
-// a run in parts is the run as a whole.
+// Debonded links are dropped as a new layout would leave them out, since sums over links follow their blocks. So a run
+// that is divided gives the result of a single run.
 void AddedMasses::drop_inert(Bond& b) const {
   update_added_mass(b);
   if (b.links.drop_inertia(b.points)) scene_.formulation->remove_dropped(b, scene_.bonds().record(b));
@@ -99,7 +99,7 @@ double AddedMasses::energy_ahead(const std::vector<int>& rows, double later) con
   double sum = 0.0;
   for (int row : rows) {
     const Bond* b = row < scene_.rows_started ? scene_.bonds().find(row) : nullptr;
-    // a condensed bond has no added mass, and no sides here
+    // a condensed bond has no added mass and no ends here
     if (b && !b->added.empty()) sum += b->added.energy_ahead(b->grid, scene_.grains.ends_of(*b), later);
   }
   return sum;

@@ -13,7 +13,7 @@
 
 namespace mpdem {
 
-// Takes bonds that no step has moved yet, since their points and nodes are at the creation.
+// Marks only bonds that no step has moved yet, since their points and nodes are where they were created.
 void Condensing::choose() {
   for (std::size_t row = 0; row < scene_.bonds().table.size(); ++row) {
     BondRecord& b = scene_.bonds().table[row];
@@ -30,7 +30,7 @@ void Condensing::choose() {
 
 void Condensing::bind() {
   scene_.grains.bind(scene_.comm, scene_.bonds(), scene_.inertia);
-  scene_.grains.distribute(scene_.bonds());  // code that looks before the next step must not find grains at rest
+  scene_.grains.distribute(scene_.bonds());  // code that runs before the next step must not find grains at rest
   scene_.laid_out = true;
   if (scene_.dt_last == 0.0) scene_.dt_last = scene_.now.dt;
   condensed_.forget_candidates_but(scene_.bonds());
@@ -62,7 +62,7 @@ void Condensing::mark_pieces(const std::vector<int>& rows) {
   for (int row : rows) condensed_.set_in_pieces(row, scene_.bonds().table[row].condensed && cracks_.separated(row));
 }
 
-// Collective. Returns bonds in pieces that stay resolved.
+// Collective. Returns separated bonds that stay resolved because of their fragments.
 std::vector<int> Condensing::rows_with_loose_pieces(const std::vector<int>& rows) const {
   std::vector<int> in_pieces, loose;
   for (int row : rows)
@@ -76,8 +76,7 @@ std::vector<int> Condensing::rows_with_loose_pieces(const std::vector<int>& rows
   return loose;
 }
 
-// Takes bonds that stand for those of the patterns of which this rank has grains. Grains may have come from other
-// ranks.
+// Takes the representative bonds of the templates that grains of this rank need. Grains may have come from other ranks.
 void Condensing::take_patterns(bool at_start) {
   std::vector<int> patterns = patterns_of_owned_grains(scene_);
   if (!at_start)
@@ -86,7 +85,7 @@ void Condensing::take_patterns(bool at_start) {
                            static_cast<int>(scene_.bonds().patterns.size()), at_start, *scene_.law, *scene_.penalty, scene_.inertia);
 }
 
-// Bonds that are to wake and have no points get them before the next step, and wake in it. Returns the other bonds.
+// Bonds to activate that lack points get them before the next step, and are activated in it. Returns the others.
 std::vector<int> Condensing::ask_for_points(const std::vector<int>& rows) {
   std::vector<int> others;
   for (int row : rows) {
@@ -117,7 +116,7 @@ void Condensing::count_changes() {
     const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds(), 0.5 * scene_.dt_last);
     again_.energy -= e.elastic + e.discrete_kinetic;
   }
-  // what the grains gain with the momentum is work, so that what is damped does not depend on the speed of flight
+  // the momentum that grains gain is counted as work, so that damped energy does not depend on rigid translation
   scene_.energy.do_work(-again_.to_grains);
   scene_.energy.damp(again_.energy - again_.to_grains);
 }
@@ -174,11 +173,11 @@ void Condensing::activate() {
 }
 
 bool Condensing::rests(Bond& b) {
-  constexpr double kBelow = 0.95;  // so that it does not wake at once
+  constexpr double kBelow = 0.95;  // margin against activation in the next step
   const BondRecord& record = scene_.bonds().record(b);
   if (!scene_.bonds().is_whole(b)) return false;
-  if (!record.has_grain(0) || !record.has_grain(1)) return false;  // dust may be far from the grain that is left
-  // looks that are still to come, which condensed bonds do not get
+  if (!record.has_grain(0) || !record.has_grain(1)) return false;  // fragments may be far from the grain that is left
+  // checks that are still to come, which condensed bonds do not get
   const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.split_checked) != 0; };
   if (scene_.options.split && std::any_of(b.points.meta.begin(), b.points.meta.end(), is_to_split)) return false;
   if (cracks_.separated(b.row) && !cracks_.has_seen(b)) return false;
@@ -192,8 +191,8 @@ bool Condensing::rests(Bond& b) {
   return condensed_.matches_static_solution(b, record, ends, work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law);
 }
 
-// Collective. Returns bonds that may be condensed again. The force of one step passes zero while pieces ring, so they have
-// to be found at rest for as long as a window of the load watch.
+// Collective. Returns bonds that may be condensed again. The force of one step passes zero while pieces ring, so
+// separated bonds must be at rest for a whole window of the load history.
 std::vector<int> Condensing::rows_that_rest() {
   std::vector<int> mine;
   for (Bond& b : scene_.bonds().resolved())
@@ -216,7 +215,7 @@ void Condensing::condense_again() {
   const std::vector<int> rows = again_.rows = rows_that_rest();
   if (rows.empty()) return;
   const double half = 0.5 * scene_.dt_last;
-  std::vector<double> rest(6 * grains.ends.ends.size(), 0.0);  // difference of the momentum, which the grains take up
+  std::vector<double> rest(6 * grains.ends.ends.size(), 0.0);  // difference of momentum, passed to the grains
   struct OfRow {
     int row, at;
     BondEnd ends[2];

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Decides when bonds are condensed (condensed_bonds.h), wake, and are condensed again, and which of them ask for their
-// points first. A bond may have energy in one form that it does not have in the other. This energy is booked. Functions
-// are collective, except those of one line here.
+// Decides when bonds are condensed (condensed_bonds.h), activated, and condensed again, and which bonds get their
+// points before. The two forms of a bond may differ in energy; the difference enters the energy balance. Functions are
+// collective, except those of one line here.
 #ifndef MPDEM_CEMENT_STEP_CONDENSING_H
 #define MPDEM_CEMENT_STEP_CONDENSING_H
 
@@ -33,24 +33,24 @@ class Condensing {
         added_(added),
         work_(work) {}
 
-  // Call before the layout of a run. Marks bonds that no step has moved yet. Throws BadState if the words of the script
-  // are others than those of the steps before.
+  // Call before the layout of a run. Marks bonds that no step has moved yet. Throws BadState if the options of the
+  // script differ from those of the steps before.
   void choose();
-  // Call after a layout of bonds, or when grains came from other ranks or are new. Binds the sides of the grains, and
-  // what condensed bonds need of them.
+  // Call after a layout of bonds, or when grains came from other ranks or are new. Binds the ends of bonds to their
+  // grains, and gives condensed bonds the data of their grains.
   void bind();
-  // Condenses those of these bonds that are to be condensed. Call after bind(), with the links of the run.
+  // Condenses the marked ones of these bonds. Call after bind(), with the links of the run.
   void condense(const std::vector<int>& rows, bool at_start);
-  // Call at the end of the forces of a step. Bonds near their threshold are resolved. After a check, bonds are
-  // condensed again if they are awake, whole on a rank, and far from their threshold, and if force and energy hardly
-  // change by it: their waves have gone. They keep their damage, and have the stiffness of the present. Bonds that came
-  // apart are condensed too, if their pieces rest with their grains. Returns true if something changed. Then the forces
-  // of the step are to be found anew, as at the start of a run, so that a run in parts is the run as a whole.
-  // count_changes() has to follow.
+  // Call once the forces of a step are known. Activates bonds near their threshold. After a check, it condenses
+  // resolved bonds again that lie on one rank, are far from their threshold, and whose force and energy hardly change
+  // by it, since their waves have decayed. They keep their damage and take their present stiffness. Separated bonds are
+  // condensed too, if their pieces rest with their grains. Returns true if something changed. Then compute the forces
+  // of the step again, as at the start of a run, so that a divided run gives the result of a single run, and call
+  // count_changes().
   bool change();
   void count_changes();
 
-  // Rows of bonds that ask for their points before the next step, the same on all ranks. They wake in it.
+  // Rows of bonds that need their points before the next step, the same on all ranks. They are activated in it.
   const std::vector<int>& rows_that_want_points() const { return rows_that_want_points_; }
   void points_were_made() { rows_that_want_points_.clear(); }
 
@@ -59,7 +59,7 @@ class Condensing {
   void condense_again();
   void take_patterns(bool at_start);
   std::vector<int> ask_for_points(const std::vector<int>& rows);
-  // Collective. Bonds that have to wake. All ranks look together at bonds that they cut, where averages count.
+  // Collective. Bonds to activate. All ranks of a cut bond examine it together where averages count.
   std::vector<int> rows_to_activate();
   std::vector<int> rows_that_rest();
   bool rests(Bond& b);
@@ -80,7 +80,7 @@ class Condensing {
     double energy = 0.0;     // energy that the rows had before, on this rank
     double to_grains = 0.0;  // energy that went to grains of this rank at once
   };
-  Change woken_, again_;  // changes of this step: bonds that woke, and bonds condensed again
+  Change woken_, again_;  // bonds activated in this step, and bonds condensed again
 };
 
 }  // namespace mpdem

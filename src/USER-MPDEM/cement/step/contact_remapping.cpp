@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Places go on to points that are chosen by places of the reference alone. So all ranks together choose as one rank
-// does.
+// Points are chosen by reference positions alone, so the choice does not depend on the number of ranks.
 #include "contact_remapping.h"
 
 #include <array>
@@ -15,13 +14,13 @@ namespace mpdem {
 
 namespace {
 
-// The nearest points that a rank has for a mover.
+// The nearest intact points of one rank for an orphaned contact point.
 struct Offer {
   int mover, points;
   double far;
 };
 
-// The nearest points of all ranks.
+// The nearest points on all ranks.
 struct Nearest {
   int points = 0;
   double far = 0.0;
@@ -43,7 +42,7 @@ std::vector<int> remap_contacts(Scene& scene) {
     std::vector<std::array<int, 2>> gone;
   };
   std::map<int, OfBond> moves;
-  std::vector<DebondedContact::OrphanedContact> abroad;  // places of bonds that have points on other ranks
+  std::vector<DebondedContact::OrphanedContact> abroad;  // contact points of bonds with points on other ranks
   for (Bond& b : scene.bonds().resolved()) {
     DebondedContact& contact = *b.mechanism<DebondedContact>();
     if (!contact.take_change()) continue;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Moves places that let go of the grains (coupling/debonded_contact.h) to other points, which may be on other ranks. The energy
-// that a place stores when it moves is taken from the released energy of the books.
-// Places matter only where they touch, Scene::touches().
+// Moves contact points on debonded cement (coupling/debonded_contact.h) to other material points, which may be on other
+// ranks. The energy that a contact point stores when it moves is subtracted from the released energy of the balance.
+// Contact points are used only with contact and friction, Scene::touches().
 #ifndef MPDEM_CEMENT_STEP_CONTACT_REMAPPING_H
 #define MPDEM_CEMENT_STEP_CONTACT_REMAPPING_H
 
@@ -13,11 +13,11 @@
 
 namespace mpdem {
 
-// Call at the start of a run. Opens places of new bonds that were cracked in their file.
+// Call at the start of a run. Opens contact points in new bonds that were debonded in their file.
 void open_contacts_of_files(Scene& scene);
-// Collective, at the start of a step. Places whose points failed go on to the nearest points that hold, in steps in
-// which the scene watches. Nodes and grains are where they were at the end of the last step. Returns the bonds of
-// this rank where some did, ascending.
+// Collective, at the start of a step. In watch steps, contact points whose material points failed move to the nearest
+// intact ones. Nodes and grains are where they were at the end of the last step. Returns the bonds of this rank whose
+// contact points moved, ascending.
 std::vector<int> remap_contacts(Scene& scene);
 
 }  // namespace mpdem

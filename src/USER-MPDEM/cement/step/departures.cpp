@@ -21,7 +21,7 @@ bool has(const std::map<int, std::vector<int>>& slots, int row, int slot) {
   return at != slots.end() && has(at->second, slot);
 }
 
-// Bits of the grains of a body that are in a list of IDs.
+// Bits of the grains of a bond that are in a list of IDs.
 int ends_in(const BondRecord& record, const std::vector<int>& grains) {
   int bits = 0;
   for (int s = 0; s < 2; ++s)
@@ -29,7 +29,7 @@ int ends_in(const BondRecord& record, const std::vector<int>& grains) {
   return bits;
 }
 
-// Drops links and places that have no grain any more.
+// Drops links and contact points whose grain is gone.
 template <class List>
 void drop_of_grain(List& list, int grain) {
   list.erase(std::remove_if(list.begin(), list.end(), [grain](const auto& a) { return a.grain == grain; }), list.end());
@@ -75,13 +75,13 @@ Leaving Departures::choose(const Departing& departing) {
   return leaving;
 }
 
-// Dust of a condensed bond is part of the pieces. It goes with its grain.
+// A fragment of a condensed bond belongs to a piece, and leaves with the grain of that piece.
 void Departures::choose_points(Bond& b, const std::vector<char>& held, const Departing& departing, bool as_a_whole,
                                Leaving& leaving) const {
   const BondRecord& record = scene_.bonds().record(b);
   const int gone = ends_in(record, departing.grains);
   const bool separated = discontinuities_.cracks.separated(b.row), resolved = scene_.bonds().is_resolved(b);
-  std::vector<signed char> grain_of_node;  // empty: no piece goes
+  std::vector<signed char> grain_of_node;  // empty: no piece leaves
   if (separated) {
     for (std::size_t slot = 0; slot < held.size(); ++slot)
       if (b.points.meta[slot / kLanes].occupied >> slot % kLanes & 1)
@@ -90,7 +90,7 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
   }
   const auto goes_with_grain = [&](int slot) {
     const BlockMeta& m = b.points.meta[slot / kLanes];
-    if (!resolved) {  // as grains_of_nodes() has it
+    if (!resolved) {  // as in grains_of_nodes()
       const int lane = slot % kLanes;
       double X[3];
       for (int d = 0; d < 3; ++d) X[d] = b.points.blocks[slot / kLanes].X[d][lane];
@@ -110,7 +110,7 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
     else if (deleted) leaving.attached_deleted.push_back(b.points.tag(slot));
     else if (outside && !fragments) leaving.attached_outside.push_back(b.points.tag(slot));
   }
-  // A film is of both grains. Once the bond is separated it is dust, and goes with the first grain that does.
+  // A film belongs to both grains. In a separated bond it is a fragment, and leaves with the first grain that does.
   b.for_each_slot_of(Bond::kColumns, [&](int slot) {
     const int tag = b.film.points.tag(Bond::slot_in_store(slot));
     if (as_a_whole || (separated && (gone != 0 || has(departing.outside, b.row, slot) || has(departing.deleted, b.row, slot))))
@@ -120,7 +120,7 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
   });
 }
 
-// Points and volume that leave each row, of all ranks.
+// Points and volume that leave each row, on all ranks.
 std::vector<Departures::Share> Departures::shares(const Leaving& leaving) const {
   std::vector<double> sum(2 * leaving.rows.size(), 0.0);
   for (std::size_t n = 0; n < leaving.rows.size(); ++n) {
@@ -145,7 +145,7 @@ std::vector<Departures::Share> Departures::shares(const Leaving& leaving) const 
   return all;
 }
 
-// Adds what this rank has of an awake bond, with `sign`.
+// Adds the share of this rank in a resolved bond, with `sign`.
 void Departures::add_resolved(const Bond& b, double sign, EnergyBalance::Left& left, double& ahead) const {
   left.energy += sign * work_.energy_of(b);
   ahead += sign * work_.ahead_of(b);
@@ -157,8 +157,8 @@ void Departures::add_resolved(const Bond& b, double sign, EnergyBalance::Left& l
   for (int d = 0; d < 3; ++d) left.momentum[d] += momentum[d];
 }
 
-// Adds what this rank tells of the pieces of a condensed bond, with `sign`. The work that is ahead of a piece takes its energy to that
-// of its velocity after the next kick.
+// Adds the share of this rank in the pieces of a condensed bond, with `sign`. The work still ahead of a piece raises
+// its energy to that of its velocity after the next kick.
 void Departures::add_pieces(const Pieces& pieces, double sign, EnergyBalance::Left& left, double& ahead) const {
   const double dt = scene_.dt_last;
   for (int n = 0; n < 2; ++n) {
@@ -182,7 +182,7 @@ Departures::Pieces Departures::pieces_of(int row) const {
   return pieces;
 }
 
-// Work that the books have for the second half of the last step, of grains on cement that goes.
+// Work of grains on leaving cement in the second half of the last step, which the energy balance counts in advance.
 double Departures::ahead_of_grains(const std::vector<Share>& of_rows, const std::vector<int>& grains) const {
   double power = 0.0;
   for (const BondedGrains::OwnedEnd& o : scene_.grains.owned()) {
@@ -199,7 +199,7 @@ double Departures::ahead_of_grains(const std::vector<Share>& of_rows, const std:
   return 0.5 * scene_.dt_last * power;
 }
 
-// Takes points, links and places out of the bonds, and grains and points out of the table.
+// Removes points, links and contact points from the bonds, and grains and points from the table.
 std::vector<int> Departures::take_out(const std::vector<Share>& of_rows, const Leaving& leaving) {
   std::vector<int> tags;
   for (const Share& share : of_rows) {
@@ -237,7 +237,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   EnergyBalance::Left left;
   std::vector<int> emptied;
   std::vector<Pieces> pieces;
-  double ahead = ahead_of_grains(of_rows, leaving.grains);  // work of the second half of the last step, which is still to come
+  double ahead = ahead_of_grains(of_rows, leaving.grains);  // counted in advance, for the second half of the last step
   for (const Share& share : of_rows) {
     const BondRecord& record = scene_.bonds().table[share.row];
     if (record.condensed) pieces.push_back(pieces_of(share.row));

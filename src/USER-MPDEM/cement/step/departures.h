@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Cement that leaves the scene. A point may go if it holds to no grain that stays. Such are points that failed, crumbs, and what holds
-// to a grain that goes itself. Dust on nodes of such cement goes with it. A grain may go when all its bonds are separated. A bond
-// may go as a whole when a command deleted all its points, if it is separated or both its grains are deleted too.
+// Cement that leaves the scene. A point may leave if it is connected to no grain that stays: failed points, fragments,
+// and points connected only to a grain that leaves. Fragments on nodes of such cement leave with it. A grain may leave
+// when all its bonds are separated. A bond may leave as a whole when a command deleted all its points, if it is
+// separated or both its grains are deleted too.
 //
-// The host tells which grains are gone, which points are out of the box, and which it deleted. choose() says which points leave,
-// and what must not. carry_out() takes them out of their bonds, lays these out, and books what they had (EnergyBalance::Left). A row of
-// the table stays when its grains and points are gone. It asks for no grain then, see Body::has_grain().
+// The host reports which grains are gone, which points are outside the box, and which it deleted. choose() finds which
+// points leave, and what must not. carry_out() removes them from their bonds, lays these out again, and counts their
+// energy, momentum and mass (EnergyBalance::Left). A row of the table stays when its grains and points are gone. It
+// refers to no grain then, see BondRecord::has_grain().
 #ifndef MPDEM_CEMENT_STEP_DEPARTURES_H
 #define MPDEM_CEMENT_STEP_DEPARTURES_H
 
@@ -23,10 +25,10 @@
 
 namespace mpdem {
 
-// What the host finds. Slots are those of this rank, by row of the table, ascending.
+// What the host reports. Slots are those of this rank, by row of the table, ascending.
 struct Departing {
   std::vector<int> grains;                  // IDs of bonded grains that are gone, ascending, the same on all ranks
-  std::map<int, std::vector<int>> outside;  // points that are out of the box
+  std::map<int, std::vector<int>> outside;  // points outside the box
   std::map<int, std::vector<int>> deleted;  // points that commands or fixes deleted
 };
 
@@ -34,8 +36,8 @@ struct Leaving {
   std::vector<int> grains;                // those of Departing
   std::vector<int> rows;                  // rows from which something leaves, ascending, the same on all ranks
   std::map<int, std::vector<int>> slots;  // points that leave, of this rank
-  // What must not leave: a grain that is joined to one that stays, 0: none, the same on all ranks; IDs of points that hold to a
-  // grain that stays, of this rank.
+  // What must not leave: a grain that is joined to one that stays, 0: none, the same on all ranks; IDs of points of
+  // this rank that are connected to a grain that stays.
   int joined_grain = 0;
   std::vector<int> attached_outside, attached_deleted;
 };
@@ -53,18 +55,18 @@ class Departures {
 
   // Collective.
   Leaving choose(const Departing& departing);
-  // Collective. Returns the IDs of the points of this rank that left. Sides of grains are as they were: bind them anew if grains went.
-  // Throws BadState if points went to other ranks since the last layout.
+  // Collective. Returns the IDs of the points of this rank that left. Ends of bonds stay bound as they were: bind them
+  // again if grains left. Throws BadState if points went to other ranks since the last layout.
   std::vector<int> carry_out(const Leaving& leaving);
 
  private:
-  // What leaves a row, of all ranks. all: nothing of it stays.
+  // What leaves a row, on all ranks. all: nothing of it stays.
   struct Share {
     int row;
     double points, volume;
     bool all;
   };
-  // The pieces of a condensed bond, or the bond as a whole, with the sides that it has before anything leaves.
+  // The pieces of a condensed bond, or the bond as a whole, with its ends before anything leaves.
   struct Pieces {
     int row = 0;
     bool whole = false, here[2] = {false, false};

@@ -11,14 +11,14 @@ namespace {
 
 constexpr double kLimitOfTransfers = 2.0;
 
-// The reference stays, and velocities belong to the nodes.
+// The reference is fixed, and velocities belong to the nodes.
 class TotalLagrangian : public Formulation {
  public:
   std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_total(context); }
   std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<NodeSplitting>(); }
 };
 
-// Points give their velocity to the nodes every so many steps.
+// The reference is fixed, and velocities go to the points and back every so many steps.
 class Reprojected : public Formulation {
  public:
   std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_reprojected(context); }
@@ -26,14 +26,14 @@ class Reprojected : public Formulation {
   double stability_limit() const override { return kLimitOfTransfers; }
 };
 
-// They do so when the present becomes their reference.
+// Velocities go to the points and back when the present becomes the reference.
 class Renewed : public Formulation {
  public:
   std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_renewed(context); }
   std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<SeparatePieces>(); }
 };
 
-// They do so in every step, since the present is their reference. Points go from cell to cell.
+// The present is the reference, and velocities go to the points and back in every step. Points move from cell to cell.
 class Moving : public Formulation {
  public:
   std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_updated(context); }
@@ -42,7 +42,7 @@ class Moving : public Formulation {
   double lasting_eigenvalue(double bound) const override { return bound; }
   int margin() const override { return UpdatedPass::kMargin; }
   bool joins_cells() const override { return false; }
-  bool needs_layout(const Bond&) const override { return true; }  // slots of points were brought up to date for the exchange
+  bool needs_layout(const Bond&) const override { return true; }  // slots were brought up to date for the exchange
   void follow_layout(Bond& b) const override {
     b.updated.bind(b.points, b.grid);
     b.average.let_points_stand(false);
@@ -53,7 +53,7 @@ class Moving : public Formulation {
     return true;
   }
   void share(Bond&, AlikeLists&) const override {}
-  void remove_dropped(Bond&, const BondRecord&) const override {}  // links go to other blocks with their points
+  void remove_dropped(Bond&, const BondRecord&) const override {}  // links move to other blocks with their points
 };
 
 }  // namespace

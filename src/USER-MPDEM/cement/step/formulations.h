@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Makes the formulation that the options of fix mpm ask for: total, with or without re-projection, or updated.
+// Creates the formulation for the options of fix mpm: total (with or without re-projection) or updated Lagrangian.
 #ifndef MPDEM_CEMENT_STEP_FORMULATIONS_H
 #define MPDEM_CEMENT_STEP_FORMULATIONS_H
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// How nodes and points move in a step. With total kinematics the reference stays, nodes drift and points follow. With
-// updated kinematics the reference is the present, and velocities go from nodes to points and back in every step. The
-// choice is that of Formulation, and holds for all bonds.
+// Motion of nodes and points in a step. With total kinematics the reference is fixed, nodes drift and points follow.
+// With updated kinematics the present is the reference, and velocities go from nodes to points and back in every step.
+// Formulation chooses one of them for all bonds.
 #ifndef MPDEM_CEMENT_STEP_KINEMATICS_H
 #define MPDEM_CEMENT_STEP_KINEMATICS_H
 
@@ -18,7 +18,7 @@
 
 namespace mpdem {
 
-// Parts on which kinematics act.
+// What kinematics act on.
 struct KinematicsContext {
   Scene& scene;
   SharedNodes& shared;
@@ -32,16 +32,15 @@ class Kinematics {
  public:
   virtual ~Kinematics() = default;
 
-  // Collective. Follow the time step with the added mass: at the start of a run, and where the step changes in its
-  // course.
+  // Collective. Adapt the added mass to the time step, at the start of a run and when the step changes during it.
   virtual void start_run() = 0;
   virtual void change_step() = 0;
-  // Collective. Takes a step up to the forces of points and links: nodes drift, points take their strain, damage and
-  // stress, links of failed points let go. Leaves internal forces and those of links on the nodes of this rank.
+  // Collective. Advances a step up to the forces of points and links: nodes drift, points get their strain, damage and
+  // stress, and links of failed points debond. Leaves internal forces and those of links on the nodes of this rank.
   virtual void advance() = 0;
-  // Collective. Books the transfer of the step. Call once accelerations are known.
+  // Collective. Counts the energy of the transfer of the step. Call once accelerations are known.
   virtual void account_for_accelerations() {}
-  // Collective. Finds the internal force of the present state.
+  // Collective. Computes the internal force of the present state.
   virtual void find_internal_force() = 0;
 
  protected:
@@ -66,7 +65,7 @@ std::unique_ptr<Kinematics> make_reprojected(const KinematicsContext& context);
 std::unique_ptr<Kinematics> make_renewed(const KinematicsContext& context);
 std::unique_ptr<Kinematics> make_updated(const KinematicsContext& context);
 
-// Finds velocities of nodes that have mass from their momentum.
+// Computes the velocities of nodes with mass from their momentum.
 void take_momentum(Grid& grid);
 
 }  // namespace mpdem

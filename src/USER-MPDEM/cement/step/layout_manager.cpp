@@ -16,7 +16,7 @@ namespace mpdem {
 
 namespace {
 
-// Motion of each of these bonds, over all ranks. Velocities are ahead by the kick of the next drift.
+// Motion of each of these bonds, summed over all ranks. Velocities are ahead by the kick of the next drift.
 std::vector<BondMotion> sums_of_motion(const Scene& scene, const std::vector<int>& rows) {
   static_assert(sizeof(BondMotion) % sizeof(double) == 0, "sums of numbers");
   constexpr int kWidth = sizeof(BondMotion) / sizeof(double);
@@ -27,8 +27,7 @@ std::vector<BondMotion> sums_of_motion(const Scene& scene, const std::vector<int
   return sums;
 }
 
-// Gives momentum and angular momentum back, so that they are what they were. The energy that is missing counts as
-// released.
+// Restores momentum and angular momentum. The energy that is missing counts as released.
 void keep_motion(Scene& scene, const std::vector<int>& rows, const std::vector<BondMotion>& before) {
   std::vector<BondMotion> after = sums_of_motion(scene, rows);
   for (std::size_t n = 0; n < rows.size(); ++n)
@@ -65,7 +64,8 @@ std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Discontinuit
     r.layers.layer_of_slot = layers[b.row].layer_of_slot;
     if (penalty) r.before = restored.any() ? restored.of(b.row) : scene.bonds().find(b.row)->grid.kinematics();
   }
-  const std::unique_ptr<const Formulation> at_rest = formulation_of(CementOptions());  // points do not move, and need no margin
+  // points do not move, and need no margin
+  const std::unique_ptr<const Formulation> at_rest = formulation_of(CementOptions());
   const LayoutRules rules{scene.comm, copies.table, scene.options, scene.law, scene.inertia, penalty, *splits, *at_rest};
   std::vector<BondLayout> layouts = make_layout(rules, scene.all_rows(), std::move(requests));
   for (BondLayout& l : layouts) {
@@ -86,8 +86,8 @@ LayoutRequest LayoutManager::request_of(Bond& b, NewLayersOfBonds& layers) {
   return r;
 }
 
-// Mass goes back from the heirs of tied nodes to these nodes where nodes split. Its
-// momentum and angular momentum are kept by a rigid motion.
+// Where nodes split, mass returns from mass receivers to constrained nodes. A rigid motion restores momentum and
+// angular momentum.
 void LayoutManager::lay_out(const std::vector<int>& rows, NewLayersOfBonds layers, const How& how) {
   restored_.bring();
   const bool moves = scene_.laid_out && how.splits;
@@ -145,7 +145,7 @@ void LayoutManager::sync_slots() {
     if (scene_.formulation->sort_links(b)) scene_.host().slots_changed(b);
 }
 
-// Each side of a bond that came apart follows the grain that it holds to.
+// In a separated bond, each node follows the grain to which it is connected.
 void LayoutManager::follow_grains(Bond& b) const {
   if (b.mechanisms.empty()) return;
   const std::vector<char> held = discontinuities_.cracks.separated(b.row) ? nodes_held(b.points, b.grid) : std::vector<char>();

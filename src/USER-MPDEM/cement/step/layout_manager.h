@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Decides when bonds are laid out (layout.h), and what a layout carries over. The motion of nodes is carried over, or
-// comes from a restart file or from points that are new. All that depends on the nodes of a bond starts anew. All
-// functions are collective, except those of one bond and points_were_made(). BadState is thrown on all ranks if a grid
-// takes more memory than it may, or if a restart file does not have all nodes.
+// Decides when bonds are laid out (layout.h), and what a layout keeps. The motion of nodes is kept, or comes from a
+// restart file or from new points. All else that depends on the nodes of a bond is made again. All functions are
+// collective, except those of one bond and points_were_made(). BadState is thrown on all ranks if a grid takes more
+// memory than it may, or if a restart file lacks nodes.
 #ifndef MPDEM_CEMENT_STEP_LAYOUT_MANAGER_H
 #define MPDEM_CEMENT_STEP_LAYOUT_MANAGER_H
 
@@ -24,32 +24,32 @@ class LayoutManager {
   LayoutManager(Scene& scene, Discontinuities& divisions, RestoredNodes& restored, SharedNodes& shared, AddedMasses& added)
       : scene_(scene), discontinuities_(divisions), restored_(restored), shared_(shared), added_(added) {}
 
-  // Finds the parts that get nodes of their own at the start, in bonds that are new or whose points were made. Copies
-  // of nodes come to other ranks with the points of their bond.
+  // Finds the layers that get nodes of their own at the start, in bonds that are new or whose points were made. Phantom
+  // nodes move to other ranks with the points of their bond.
   NewLayersOfBonds layers_at_start();
-  // Call when copies of the nodes of bonds came to other ranks with their points.
+  // Call when phantom nodes of bonds came to other ranks with their points.
   void bring_copies();
   // Call when the host has made points of these rows of the table.
   void points_were_made(const std::vector<int>& rows) { fresh_points_.insert(fresh_points_.end(), rows.begin(), rows.end()); }
-  // Stores the axis of the elasticity of bodies that have points without a frame, or points yet to be made.
+  // Stores the axis of the elasticity of bonds that have points without a frame, or points yet to be made.
   void remember_axis();
 
   struct How {
     bool arrange = true;  // false: blocks stay as they are
-    bool splits = false;  // true: the layout is made because nodes split, or parts came apart
+    bool splits = false;  // true: nodes split, or pieces separated
   };
-  // Lays out these rows of the table, ascending. Bonds that change their parts do so with `parts`. The added mass of
-  // these rows is cleared, and the sides of grains are still those of before: find both anew.
+  // Lays out these rows of the table, ascending. Bonds in `layers` change their layers. The added mass of these rows is
+  // cleared, and the ends of bonds are still those of before: find both again.
   void lay_out(const std::vector<int>& rows, NewLayersOfBonds layers, const How& how);
-  // Calls lay_out() and finds the added mass too. Bonds and grains must be on the ranks where they were.
+  // Calls lay_out() and finds the added mass too. Bonds and grains must be on the same ranks as before.
   void lay_out_again(const std::vector<int>& rows, NewLayersOfBonds layers, const How& how);
   const std::vector<int>& fresh_points() const { return fresh_points_; }
 
-  // start_anew() makes anew what depends on the nodes of a bond. follow_grains() tells the parts of the bond to which grain
-  // each side of it holds.
+  // start_anew() makes what depends on the nodes of a bond. follow_grains() passes to the mechanisms of the bond to
+  // which grain each of its nodes is connected.
   void start_anew(Bond& b);
   void follow_grains(Bond& b) const;
-  // Brings the slots of points up to date, which fall behind while points change cells (`updated` kinematics).
+  // Updates the slots of points, which are out of date while points change cells (`updated` kinematics).
   void sync_slots();
 
  private:
@@ -65,8 +65,7 @@ class LayoutManager {
   std::vector<int> fresh_points_;  // rows of the table whose points the host made since the last layout
 };
 
-// Lays out copies of all bonds. fresh: see Arrangement::fresh_points(). penalty: parameters of the links, or null for
-// no links.
+// Lays out copies of all bonds. fresh: see LayoutManager::fresh_points(). penalty: that of the links, null: no links.
 std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Discontinuities& divisions, const RestoredNodes& restored,
                                           const std::vector<int>& fresh, const PenaltyParameters* penalty);
 

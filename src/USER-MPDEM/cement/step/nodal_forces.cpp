@@ -35,7 +35,7 @@ void NodalForces::debond(Bond& b) {
   if (scene_.penalty) cracks_.watch(b);
 }
 
-// Traction laws may dissipate, and let go of points that hold.
+// Traction laws may dissipate energy, and may debond intact points.
 void NodalForces::follow_links(Bond& b) {
   b.links.follow_and_add_force(b.points, b.grid, scene_.grains.ends_of(b), scene_.now.dt, b.link_step);
   scene_.energy.dissipate(b.link_step.dissipated);
@@ -48,7 +48,7 @@ void NodalForces::follow_links(Bond& b) {
   cracks_.watch_links(b);
 }
 
-// Columns of a film follow the grains, which are where they will be at the end of the step.
+// Columns of a film follow the grains, which are already at their positions of the end of the step.
 void NodalForces::advance_film(Bond& b) {
   AdvanceResult of_film;
   b.film.advance(scene_.grains.ends_of(b), *scene_.law, scene_.penalty ? scene_.penalty->law.get() : nullptr, scene_.now.dt,
@@ -60,7 +60,7 @@ void NodalForces::advance_film(Bond& b) {
   if (scene_.penalty) cracks_.watch_film(b);
 }
 
-// Small bonds that ranks do not cut are complete at once, while they are in cache.
+// Bonds that ranks do not cut are completed at once, while they are in cache.
 void NodalForces::add_forces(Bond& b) {
   scene_.timer.start(StepTimer::kCoupling);
   follow_links(b);
@@ -77,7 +77,7 @@ void NodalForces::end_forces(Bond& b) {
   if (!b.cut_by_ranks()) complete(b);
 }
 
-// Adds damping, weight, and forces of the host and of crack faces to nodes that have those of points and links already.
+// Adds damping, weight, and forces of the host and of crack faces to the forces of points and links.
 void NodalForces::complete(Bond& b) {
   for (const auto& p : b.mechanisms) p->add_damping(at_work(b));
   const std::array<double, 3> weight = scene_.weight_of(b);
@@ -104,7 +104,7 @@ void NodalForces::find_accelerations() {
   find_grain_accelerations();
   if (scene_.now.substeps > 1 && scene_.ends_step()) share_impulses();
   condensed_.pack().find_inertial_loads();
-  // Goes backwards, since the last bonds are those that are still in cache. The next step begins with the first bonds.
+  // Backwards, since the last bonds are still in cache. The next step begins with the first bonds.
   scene_.bonds().for_each_resolved_backwards([this](Bond& b, const Bond* next) {
     if (next) next->prefetch_nodes();
     b.added.accelerate(b.grid, scene_.grains.ends_of(b));
@@ -118,7 +118,7 @@ void NodalForces::find_grain_accelerations() {
   scene_.timer.start(StepTimer::kNodes);
 }
 
-// N is the inertia of nodes, added mass and grains, in which the nodes have the lumped mass. With a = N^-1 f, the
+// N is the inertia of nodes, added mass and grains, with lumped mass M_L of the nodes. With a = N^-1 f, the
 // accelerations are N^-1 (f + (M_L - M) a). See mpm/consistent_mass.h.
 void NodalForces::add_inertial_forces() {
   find_grain_accelerations();

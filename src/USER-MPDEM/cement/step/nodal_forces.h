@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Finds the accelerations of nodes and grains from what a pass over the points leaves. Points that failed let go. Links
-// and places pull. Nodes that ranks share are summed. Damping, weight and faces of cracks act. Grains and their added
-// mass are solved for. What the cement does to the grains goes to them. Forces of nodes are in the axes of the body of
-// their bond. What is given up or rubbed away is booked.
+// Computes the accelerations of nodes and grains after a pass over the points. Failed points debond. Links and contact
+// points add their forces. Nodes that ranks share are summed. Damping, weight and faces of cracks act. The
+// accelerations of grains and of their added mass are solved for, and the loads of the cement are added to the grains.
+// Nodal forces are in the axes of their bond. Released and frictional energies are counted.
 #ifndef MPDEM_CEMENT_STEP_NODAL_FORCES_H
 #define MPDEM_CEMENT_STEP_NODAL_FORCES_H
 
@@ -25,24 +25,24 @@ class NodalForces {
 
   // Call before the pass over the points of all bonds. kick: time from the middle of the last step to that of this one.
   void begin(double kick);
-  // Call after that pass. Books what it dissipates and gives up.
+  // Call after that pass. Counts the energies that it dissipates and releases.
   void end_pass();
-  AdvanceResult& pass() { return pass_; }  // result of the bond at work, for kernels
+  AdvanceResult& pass() { return pass_; }  // result of the present bond, for kernels
   const PassTicks& ticks() const { return pass_.ticks; }
   void clear_ticks() { pass_.ticks = PassTicks(); }
 
-  // Call after the pass over the points of a bond. take_failed() notes which of them failed. debond() frees what held
-  // them, and tells the host.
+  // Call after the pass over the points of a bond. take_failed() stores which of them failed. debond() debonds their
+  // links, and reports to the host.
   void take_failed(Bond& b);
   void debond(Bond& b);
-  // Adds the other forces to a bond whose nodes have those of its points: links, places, closed cracks, the film. The
-  // forces of a bond that ranks do not cut are complete then.
+  // Adds the other forces to the internal forces of a bond: links, contact points, closed cracks, film. The forces of a
+  // bond that ranks do not cut are complete then.
   void add_forces(Bond& b);
-  // Collective. Completes the forces of bonds that ranks cut, and finds the accelerations of all.
+  // Collective. Completes the forces of bonds that ranks cut, and computes all accelerations.
   void find_accelerations();
-  // Collective. Finds forces and accelerations at the start of a run. Internal forces must be on the nodes.
+  // Collective. Computes forces and accelerations at the start of a run. Internal forces must be on the nodes.
   void find_at_start();
-  // Collective. Adds the forces of the cement to the grains, once accelerations are known.
+  // Collective. Adds the loads of the cement to the grains, once accelerations are known.
   void react();
 
  private:

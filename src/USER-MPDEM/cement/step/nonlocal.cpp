@@ -8,8 +8,7 @@ namespace mpdem {
 
 namespace {
 
-// Returns the rows of cut bonds near their threshold, which all their ranks average together. Ascending, the same on
-// all ranks.
+// Rows of cut bonds near their threshold, ascending, the same on all ranks.
 std::vector<int> cut_rows_near_threshold(const Scene& scene) {
   std::vector<int> mine;
   for (const Bond& b : scene.bonds().resolved())

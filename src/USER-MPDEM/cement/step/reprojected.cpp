@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// `total` kinematics with re-projection: velocities go from nodes to points and back every N steps, or where a new
-// reference is taken, once the cement has distorted. There are no sub-steps.
+// `total` kinematics with re-projection: velocities go from nodes to points and back every N steps, or when the cement
+// has distorted so much that the present becomes the reference. There are no sub-steps.
 #include <algorithm>
 #include <cmath>
 
@@ -28,15 +28,15 @@ class Reprojected : public Total {
   }
 
  private:
-  // The kinetic energy that a projection leaves out counts as damped. It is the energy at the step, where the velocity
-  // is half a kick ahead of what is stored.
+  // The kinetic energy that a projection loses counts as damped. It is the energy at the full step, where the velocity
+  // is half a kick ahead of the stored one.
   void reproject(Bond& b) {
     const double half = 0.5 * scene_.dt_last, kick = scene_.kick();
     const BondEnd* ends = scene_.grains.ends_of(b);
     scene_.energy.damp_by(
         [&] { return work_.kinetic_energy(b, half) + (b.row < scene_.rows_started ? b.added.energy_ahead(b.grid, ends, kick) : 0.0); },
         [&] { reproject_velocity(b.points, b.grid, b.added.of_nodes(), scene_.inertia, scene_.options.transfer, kick, b.jump); });
-    // the energy of added mass is that at the step, too; the reaction goes to the grains
+    // the energy of added mass is that at the full step, too; the reaction loads the grains
     scene_.energy.damp(half * b.added.power(b.grid, ends, b.jump) - b.added.work_of_reaction(b.grid, ends, b.jump));
     scene_.energy.do_work(half * work_.gravity_power(b, b.jump));
   }
@@ -51,7 +51,7 @@ class Renewed : public Total {
     pass([](Bond&) {}, [](Bond&) {});
     if (largest_distortion() > scene_.options.reproject_distortion) {
       scene_.grains.react_to_jumps(scene_.now.dt, scene_.energy);
-      scene_.grains.clear_sudden_forces();  // the grains know them
+      scene_.grains.clear_sudden_forces();  // already applied to the grains
       take_new_reference();
       scene_.grains.ends.clear_forces();
     }
@@ -59,7 +59,7 @@ class Renewed : public Total {
   }
 
  private:
-  // Largest component of F - I of any point that holds. Collective.
+  // Collective. Largest component of F - I of any intact point.
   double largest_distortion() const {
     vd most{};
     for (const Bond& bond : scene_.bonds())
@@ -76,7 +76,7 @@ class Renewed : public Total {
     return all;
   }
 
-  // Makes the present the reference of points and links. Velocities go over by transfer.
+  // Makes the present the reference of points and links. Velocities are transferred to the new nodes.
   void take_new_reference() {
     const auto energy = [this] {
       double sum = 0.0;

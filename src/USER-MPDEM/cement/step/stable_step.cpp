@@ -14,7 +14,7 @@
 namespace mpdem {
 
 namespace {
-constexpr double kGrowth = 1.02;  // an eigenvalue that grew by less is the one that was known
+constexpr double kGrowth = 1.02;  // growth up to which the known eigenvalue is kept
 }
 
 double StableStep::largest_mass_ratio() const {
@@ -33,7 +33,7 @@ double StableStep::relaxation_rate(double share) const {
   if (share == 0.0) return 0.0;
   double thinnest = std::numeric_limits<double>::infinity();
   for (const BondRecord& b : scene_.bonds().table)
-    if (b.thickness > 0.0) thinnest = std::min(thinnest, b.thickness);  // what is all film has no nodes
+    if (b.thickness > 0.0) thinnest = std::min(thinnest, b.thickness);  // a bond of film alone has no nodes
   return RelativeDamping::rate(thinnest, share, scene_.shear_speed()) * (1.0 + largest_mass_ratio());
 }
 
@@ -46,19 +46,19 @@ void StableStep::find_film() {
 // The largest eigenvalue of a sum is at most the sum of the largest eigenvalues.
 double StableStep::step_for(double cement_load, double relax) const {
   const double eigenvalue = cement_load + of_film_;
-  // Damping acts on the velocity of half a step ago, so the condition is w^2 dt^2 + 2 p dt <= B.
+  // Damping acts on the velocity half a step before, so stability requires w^2 dt^2 + 2 p dt <= B.
   const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.stability_limit();
   const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relaxation_rate(relax);
   const double step = B / (p + std::sqrt(p * p + B * eigenvalue));
-  if (!(step > 0.0))  // a step of zero would pass in a comparison as if nothing limited it
+  if (!(step > 0.0))  // a step of zero would pass comparisons as if nothing limited it
     throw BadState(text_of("no time step is stable, the square of the highest frequency is ", eigenvalue, " with density ",
                            scene_.density(), " of the cement and stiffness ", scene_.law->elasticity().largest_stiffness(),
                            "; use densities, moduli and penalties that go together in these units"));
   return step;
 }
 
-// The damping that is admitted takes a tenth of the step. With that step, p of step_for() is (B - w^2 dt^2)/(2 dt). It
-// grows by a rate that is proportional to the damping.
+// The admitted damping shortens the step by a tenth. At that step, p of step_for() is (B - w^2 dt^2)/(2 dt). The rate
+// of damping in p is proportional to the damping.
 StableStep::DampedStep StableStep::damped_step(double eigenvalue) const {
   DampedStep d{step_for(eigenvalue, scene_.options.relax), step_for(eigenvalue, 0.0), scene_.options.relax};
   if (!d.is_short()) return d;
@@ -75,9 +75,9 @@ std::string StableStep::exceeds(double limit) const {
   return text;
 }
 
-// Uses the stiffness K_ss of the bonds of each grain against that grain alone. Since 2 |R_0.K R_1| <= R_0.K R_0 + R_1.K
-// R_1, twice the largest eigenvalue of M^-1 sum K_ss is a bound for all grains together. It is exact for a free pair of
-// equal grains.
+// Uses the stiffness K_ss of the bonds of each grain with all other grains fixed. Since 2 |R_0.K R_1| <= R_0.K R_0 +
+// R_1.K R_1, twice the largest eigenvalue of M^-1 sum K_ss is a bound for all grains together. It is exact for a free
+// pair of equal grains.
 double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
   std::map<int, Matrix6> stiffness;
   for (std::size_t row = 0; row < found.size(); ++row) {
@@ -114,9 +114,9 @@ EigenvalueEstimate StableStep::eigenvalue() const {
 
 bool StableStep::bound_alone() const { return scene_.formulation->lasting_eigenvalue(scene_.eigenvalue_bound()) > 0.0; }
 
-// Cement whose eigenvalue is known is looked at as coarsely as is enough to see that it holds. The estimate is value and
-// residual, so it is on the safe side. Ranks have patches of their own bonds alone. So an eigenvalue that is to be known
-// is found of whole bonds, and does not depend on the number of ranks.
+// A known eigenvalue is checked only as precisely as needed. The estimate plus its residual is on the safe side. Ranks
+// have patches of their own bonds alone, so an eigenvalue that is to be kept is found from whole bonds, and does not
+// depend on the number of ranks.
 EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Look look) const {
   std::vector<EigenvalueSystem> systems;
   for (int row : rows)
@@ -143,9 +143,9 @@ double StableStep::find() {
   return step_for(e.most, scene_.options.relax);
 }
 
-// The eigenvalue that was found before is kept unless it is well below. The added mass depends on it, and has a margin
-// for that. It has to be the same in runs that are divided or restarted otherwise. It is found precisely, so that bonds
-// along other axes of the box, whose nodes have another order, have the same added mass.
+// The known eigenvalue is kept unless the new one is clearly larger. The added mass depends on it, and has a margin for
+// that. It must be the same in runs that are divided or restarted otherwise. It is found precisely, so that bonds along
+// other axes of the box, whose nodes have another order, have the same added mass.
 double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Look look) {
   double mine = 1.0, ties;
   for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_tie_factor());
@@ -158,10 +158,10 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
   return e.most;
 }
 
-// Other nodes and weights have another eigenvalue. Only the bonds in question matter, since the eigenvalues of the
-// others stay. If no eigenvalue was ever asked for, the step is below the bound, which holds for points anywhere. The
-// layout has the added mass for what was known before. Where nodes split, patches are blocks about them, one support
-// further than those that changed: the new modes are as short as a cell.
+// A change of nodes and weights changes the eigenvalue of these bonds alone. If no eigenvalue was ever needed, the step
+// is below the bound, which is valid for points anywhere. The layout has the added mass of the eigenvalue known before.
+// Where nodes split, patches are the blocks around them, one support wider than those that changed, since the new modes
+// are as short as a cell.
 bool StableStep::check_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
   if (known_ == 0.0) return false;
   const double known = known_,

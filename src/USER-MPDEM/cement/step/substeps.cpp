@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Sub-steps: two clocks. The host moves its grains with a long step. The cement, and the free grains that it holds,
-// take n short ones in it, all of them by the same central difference. The load of the host is known at the ends of its
-// step. Its average acts in each sub-step (spread_loads.cpp). The rest acts at the ends, as an impulse of the whole
-// step. This is the integrator of Tuckerman, Berne and Martyna (doc/theory.md): the cement is stable by its own step
-// alone, momentum is exact, and with n = 1 nothing is left but the step itself. The impulse moves grains and cement
-// together, see coupling/shared_impulse.h.
+// Multiple time stepping. The host moves its grains with a long step. The cement, and the free grains bonded to it,
+// take n short ones in it, all by the same central difference. The load of the host is known at the ends of its step.
+// Its average acts in each sub-step (spread_loads.cpp). The rest acts at the ends, as an impulse of the whole step.
+// This is the integrator of Tuckerman, Berne and Martyna (doc/theory.md): the stability of the cement depends on its
+// own step alone, momentum is exact, and n = 1 gives the plain step. The impulse moves grains and cement together, see
+// coupling/shared_impulse.h.
 //
-// Let w be the velocity of the grain in a sub-step dt, F the load of the host and f that of the cement on it, M its
-// mass, S the mean of F. u = (1 - 1/n) (S + S')/2 is what is spread in the steps before and after the end of a step.
-// Then
+// Let w be the velocity of a grain of mass M in a sub-step dt, and v that at the end of a step of the host. F is the
+// load of the host, f that of the cement, and S and S' are the means of F in the steps before and after the end of a
+// step. u = (1 - 1/n) (S + S')/2 is the part of F that is spread over these steps. Then
 //
-//   start of the step    w = v + dt/2 (n (F - u) + f)/M,  v the velocity at the end of the last step
+//   start of the step    w = v + dt/2 (n (F - u) + f)/M
 //   within it            w <- w + dt (S + f)/M
-//   end of the step      v = w + dt/2 (n (F - u) + f)/M = w + n dt/2 (F - u + f/n)/M, which the host does with its step n dt.
+//   end of the step      v = w + dt/2 (n (F - u) + f)/M = w + n dt/2 (F - u + f/n)/M, by the host with its step n dt
 #include <cmath>
 
 #include "substeps.h"
@@ -43,9 +43,9 @@ void Substeps::begin() {
     }
 }
 
-// The places and velocities of prescribed motion are known at both ends of the step. The motion between is a cubic, so
-// that the velocity is continuous. At times the velocities are not those of the motion, as when a grain starts at once.
-// Then motion is even within the step.
+// Positions and velocities of prescribed motion are known at both ends of the step. The path between is a cubic, so
+// that the velocity is continuous. Where the velocities do not fit the displacement, as when a grain starts suddenly,
+// the motion is uniform within the step.
 void Substeps::find_paths() {
   const int n = scene_.now.substeps;
   const double dt = scene_.now.dt;
@@ -84,7 +84,7 @@ void Substeps::move_grains() {
       g.x[d] = g.free[d] ? before + dt * g.velocity[d] : paths_[i].position(d, n * dt, double(scene_.substep) / n);
       g.moved[d] = g.x[d] - before;
       g.state->x[d] = scene_.ends_step() ? before : g.x[d];
-      // adds up to the mean of both ends of the step, beginning at its start
+      // sums the deviation of the sub-steps from uniform motion
       if (scene_.substep == 1) g.state->bent[d] = 0.0;
       g.state->bent[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - paths_[i].from[d]) : paths_[i].from[d] - g.x[d];
     }

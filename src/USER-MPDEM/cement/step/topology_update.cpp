@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodes that split (node_splitting.h) change a bond in place. Points that go to other parts get blocks of their own. New nodes
-// come into the grid. Ties of nodes that are touched are found anew, and the masses of all nodes of the bond. All else
-// stays where it is. The result is that of a layout of the same state, to the bit. A bond that ranks cut is laid out as a
-// whole. So is any bond with `cracks bonds`, whose edges are not kept.
+// Node splitting (node_splitting.h) changes a bond in place. Points that move to other layers get blocks of their own.
+// New nodes are added to the grid. The constraints of nodes that are affected and the masses of all nodes of the bond
+// are found again. All else stays where it is. The result is bitwise identical to a layout of the same state. A bond
+// that ranks cut is laid out as a whole, and so is any bond with `cracks bonds`, whose edges are not kept.
 #include "topology_update.h"
 
 #include <algorithm>
@@ -56,7 +56,7 @@ void TopologyUpdate::update() {
   else if (scene_.is_watch_step()) update_cut_paths();
 }
 
-// Looks at the whole state.
+// Examines the whole state.
 void TopologyUpdate::update_after_check() {
   split_at_failed_points();
   discontinuities_.cracks.record_failures(scene_.comm, scene_.bonds(), scene_.options,
@@ -67,7 +67,7 @@ void TopologyUpdate::update_after_check() {
   separate_pieces(true);
 }
 
-// Looks at bonds in which a path of intact points was cut.
+// Examines bonds in which a path of intact points was cut.
 void TopologyUpdate::update_cut_paths() {
   split_at_failed_points();
   if (!discontinuities_.cracks.some_path_is_cut(scene_.comm)) return;
@@ -103,7 +103,7 @@ TopologyUpdate::Found TopologyUpdate::find_separations(bool fragment, int from) 
           std::move(cracked.held)};
 }
 
-// Finds the damping of bonds whose points hold to other grains now.
+// Finds the relative damping of bonds whose points are now connected to other grains.
 void TopologyUpdate::find_relative_damping(const std::vector<int>& rows) {
   for (int row : rows)
     if (Bond* b = scene_.bonds().find(row)) layout_manager_.follow_grains(*b);
@@ -115,8 +115,9 @@ void TopologyUpdate::split_nodes() {
   change_bonds(split.lay_out, std::move(split.layers), "nodes split");
 }
 
-// Mass stays with its copy, and copies move as the node did. So momentum and energy are what they were. Edges that are
-// tied no longer give mass back, see give_back_motion(). Returns the nodes whose ties and masses are new.
+// Mass stays with its phantom node, and phantom nodes move as the node did, so momentum and energy are conserved. Nodes
+// that are no longer constrained get their mass back, see give_back_motion(). Returns the nodes whose constraints and
+// masses are new.
 std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers) {
   const double kick = scene_.kick();
   const BondMotion before = sums_of_motion(b.grid, kick);
@@ -126,7 +127,7 @@ std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers
   const auto add = [&more](const std::vector<Key>& nodes) { more.insert(more.end(), nodes.begin(), nodes.end()); };
   for (int n : moved.blocks) {
     BlockMeta& m = b.points.meta[n];
-    m.aliases = BlockMeta::kOwn;  // borrowed nodes are found anew below
+    m.aliases = BlockMeta::kOwn;  // aliases are found again below
     add(discontinuities_.splits->representative_of(m, support(scene_.options.basis)));
     if (!aliases.may_alias(m)) add(NodeSplitting::nodes_of(m, support(scene_.options.basis)));
   }
@@ -164,8 +165,8 @@ std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers
   return nodes;
 }
 
-// Links have other nodes then, and their added mass has another energy. Where nodes split as points fail, links that let
-// go give theirs up. Else they do so at the checks.
+// Links then have other nodes, and their added mass has another energy. With node splitting at failed points, debonded
+// links release that energy here, else at the checks.
 void TopologyUpdate::change_bonds(const std::vector<int>& rows, NewLayersOfBonds layers, const char* event) {
   if (rows.empty()) return;
   std::vector<int> mine;

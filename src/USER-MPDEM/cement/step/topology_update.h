@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Parts bonds that come apart in a run, and nodes that split: when bonds are looked at, and what follows. Nodes split in
-// place, or by a new layout of the bond. What added mass gives up is booked as released. All functions are collective,
-// except those of one line here.
+// Updates bonds that separate and nodes that split during a run: when bonds are examined, and what follows. Nodes split
+// in place, or by a new layout of the bond. Energy of added mass that is lost counts as released. All functions are
+// collective, except those of one line here.
 #ifndef MPDEM_CEMENT_STEP_TOPOLOGY_UPDATE_H
 #define MPDEM_CEMENT_STEP_TOPOLOGY_UPDATE_H
 
@@ -22,18 +22,18 @@ class TopologyUpdate {
   TopologyUpdate(Scene& scene, Discontinuities& divisions, LayoutManager& layout_manager, AddedMasses& added)
       : scene_(scene), discontinuities_(divisions), layout_manager_(layout_manager), added_(added) {}
 
-  // Call after the layout of a run. Bonds that are new may be cracked, so it looks at them. Others wait for the step of
-  // their next look.
+  // Call after the layout of a run. Examines new bonds, since they may be cracked. Others are examined in the step
+  // after their next check.
   void add_bonds();
-  // Call at the start of a step. Looks at bonds after a check, and where a path of intact points is cut. It is not part
-  // of the check itself. There the forces of the step are still to be shown, and the step may be that of a restart
-  // file. Throws BadState if the step is too long for what came of it.
+  // Call at the start of a step. Examines bonds after a check, and where a path of intact points is cut. It is not part
+  // of the check itself: there the forces of the step are still to be output, and the step may be that of a restart
+  // file. Throws BadState if the step is too long for the changed bonds.
   void update();
-  // Call at the end of a step. Notes loads that tell when a bond carries nothing any more.
+  // Call at the end of a step. Stores loads, which show when a bond no longer carries any.
   void watch_loads() {
     if (scene_.can_break()) load_history_.add(scene_.grains, scene_.bonds().table, scene_.dt_last);
   }
-  // Ligaments of bonds that hold. rows: rows of the table, ascending.
+  // Ligaments of connected bonds. rows: rows of the table, ascending.
   std::vector<Cracks::Ahead> ahead(const std::vector<int>& rows);
 
   LoadHistory& load_history() { return load_history_; }  // for restart files

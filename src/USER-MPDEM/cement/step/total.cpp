@@ -15,7 +15,7 @@ void Total::find_internal_force() {
   }
 }
 
-// Books what added mass gives up, with velocities that are ahead by `later` times the acceleration.
+// Counts the energy that added mass releases, with velocities that are ahead by `later` times the acceleration.
 void Total::renew_added_mass(double later) {
   if (scene_.penalty) scene_.energy.release_by([&] { return added_.energy_ahead(scene_.all_rows(), later); }, [&] { added_.refresh(); });
 }

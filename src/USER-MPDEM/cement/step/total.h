@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// `total` kinematics. The reference of points stays: nodes drift, and points follow.
+// `total` kinematics (total Lagrangian): the reference of points is fixed, nodes drift, and points follow.
 #ifndef MPDEM_CEMENT_STEP_TOTAL_H
 #define MPDEM_CEMENT_STEP_TOTAL_H
 
@@ -20,8 +20,8 @@ class Total : public Kinematics {
   void find_internal_force() override;
 
  protected:
-  // Does advance() up to the forces of links. before(bond) comes before its nodes drift, after(bond) when its points have
-  // their stress.
+  // Does advance() up to the forces of links. before(bond) is called before its nodes drift, after(bond) when its
+  // points have their stress.
   template <class Before, class After>
   void pass(Before before, After after) {
     const double dt = scene_.now.dt, kick = scene_.kick();

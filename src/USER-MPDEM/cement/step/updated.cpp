@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// `updated` kinematics: the reference is the present, see mpm/advance_updated.h.
+// `updated` kinematics (updated Lagrangian): the present is the reference, see mpm/advance_updated.h.
 #include <algorithm>
 #include <iterator>
 
@@ -22,7 +22,7 @@ class Updated : public Kinematics {
  public:
   explicit Updated(const KinematicsContext& context) : Kinematics(context) {}
 
-  // Each step finds the added mass, and books what it gives up.
+  // Each step finds the added mass, and counts the energy that it releases.
   void start_run() override {}
   void change_step() override { added_.refresh(); }
 
@@ -66,7 +66,8 @@ class Updated : public Kinematics {
   void account_for_accelerations() override {
     for (const Bond& b : scene_.bonds()) {
       scene_.energy.damp(work_.half_kick(b, b.jump));
-      scene_.energy.do_work(-0.5 * scene_.dt_last * work_.gravity_power(b, b.jump));  // nodes came here without the velocity of the jump
+      // nodes moved here without the velocity of the jump
+      scene_.energy.do_work(-0.5 * scene_.dt_last * work_.gravity_power(b, b.jump));
     }
   }
 
@@ -76,8 +77,8 @@ class Updated : public Kinematics {
   }
 
  private:
-  // Lays out bonds whose points come near the end of their grid. Blocks of points that went through many cells fill
-  // badly, so these points are arranged anew.
+  // Lays out bonds whose points come near the end of their grid. Blocks of points that crossed many cells become
+  // sparse, so these points are sorted again.
   void follow_points() {
     std::vector<int> mine, sparse;
     for (const Bond& b : scene_.bonds())
@@ -129,20 +130,20 @@ class Updated : public Kinematics {
       v[i] += kick * b.grid.acceleration[i];
       b.jump[i] = v[i] - kicked[i];
     }
-    // this happens before the nodes move, unlike the transfer
+    // this precedes the motion of the nodes, unlike the transfer
     scene_.energy.damp(-work_.half_kick(b, b.jump));
     scene_.energy.do_work(0.5 * scene_.dt_last * work_.gravity_power(b, b.jump));
     b.filtered = b.jump;
   }
 
-  // Share of the inertia of added mass that takes part in the transfer. The velocity that points take from nodes
-  // belongs to these and to the added mass together. What flip keeps in the points is theirs alone.
+  // Share of the added mass that takes part in the transfer. The velocity that points take from nodes is that of nodes
+  // and added mass together. The velocity that flip keeps in the points is theirs alone.
   double shared() const {
     const Transfer& t = scene_.options.transfer;
     return t.method == Transfer::flip ? 1.0 - t.flip_share : 1.0;
   }
 
-  // A node with neither mass of its own nor added mass keeps its velocity.
+  // A node with neither mass nor added mass keeps its velocity.
   void take_velocities(Bond& b, double kinetic_before) {
     scene_.timer.start(StepTimer::kNodes);
     Grid& grid = b.grid;
@@ -159,15 +160,16 @@ class Updated : public Kinematics {
     scene_.energy.damp(kinetic_before - work_.kinetic_energy(b, 0.0));
     BondEnd* ends = scene_.grains.ends_of(b);
     b.added.add_reaction(grid, b.jump, shared() * shared() / scene_.now.dt, ends);
-    scene_.energy.damp(-shared() * shared() * b.added.work_of_reaction(grid, ends, b.jump));  // the work of the reaction goes to the grains
+    // the work of the reaction goes to the grains
+    scene_.energy.damp(-shared() * shared() * b.added.work_of_reaction(grid, ends, b.jump));
   }
 
-  // Links whose place left its cell go into other blocks. Where the grid ends, it is laid out anew in the next step.
-  // Until then the margin has the nodes.
+  // Links whose end on the cement left its cell move to other blocks. A grid whose end they reach is laid out again in
+  // the next step. Until then its margin has the nodes.
   void move_links(Bond& b) {
     scene_.timer.start(StepTimer::kCoupling);
     const bool moved = b.links.remap_contacts(b.points);
-    if (scene_.leaves_residue()) forces_.debond(b);  // new blocks would leave skins out before their energy is booked
+    if (scene_.leaves_residue()) forces_.debond(b);  // new blocks would drop residue before its energy is counted
     if (moved && !b.links.follow_points(b.points, scene_.bonds().record(b), b.grid))
       throw OnOneRank(
           text_of("a link moved out of the grid at step ", scene_.now.number, "; check the motion of the grains and the time step"));

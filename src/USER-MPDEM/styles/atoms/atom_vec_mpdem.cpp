@@ -23,20 +23,19 @@ namespace LAMMPS_NS {
 
 namespace {
 constexpr int kSphereNumbers = 17;  // numbers of an atom of style sphere, before those of fixes
-// Most numbers of the state of an atom, which begins with its kind. One more number tells how many they are.
+// Largest number of values of the state of an atom, the first of which is its kind. One more value gives their number.
 constexpr int kMostOfState = 1 + std::max(mpdem::kMostNumbers<mpdem::PointRecord>, mpdem::kMostNumbers<mpdem::GrainState>);
 constexpr int kBondNumbers = mpdem::kMostNumbers<mpdem::BondRecord>;
-constexpr bigint kMostOfPatterns = std::numeric_limits<int>::max();  // most numbers of patterns, since MPI counts in int
+constexpr bigint kMostOfPatterns = std::numeric_limits<int>::max();  // limit of values of all templates, since MPI counts in int
 enum Kind {
   kNoState = 0,
   kPoint = 1,
   kGrain = 2,
   kNodes = 3
-};  // kNodes: the number of rows of nodes comes first, then the rows, then another state
+};  // kNodes: number of rows of nodes, the rows, then the state of another kind
 }  // namespace
 
-// Every scene with cement begins here, in whatever program the package is. It does so by `atom_style`, and by
-// `read_restart` once more. A log needs to name the version once.
+// Prints the version once in each log. read_restart constructs the atom style a second time.
 AtomVecMpdem::AtomVecMpdem(LAMMPS* lmp) : AtomVecSphere(lmp) {
   static FILE* told = nullptr;
   if (comm->me != 0 || (told && told == logfile)) return;
@@ -65,8 +64,8 @@ void AtomVecMpdem::track_orientation(int i) {
   slot[i] = -2 - (static_cast<int>(grains.size()) - 1);
 }
 
-// LIGGGHTS does not tell of atoms that go to another rank or are deleted. Half of the room is free afterwards, so this
-// is not done at every arrival.
+// LIGGGHTS does not report atoms that go to another rank or are deleted. Half of the reserved memory is free
+// afterwards, so this is not done at every arrival.
 void AtomVecMpdem::drop_grains_that_left() {
   std::vector<GrainState> here;
   for (int i = 0; i < atom->nlocal; ++i) {
@@ -78,14 +77,14 @@ void AtomVecMpdem::drop_grains_that_left() {
   grains.swap(here);
 }
 
-// LIGGGHTS calls this at the start of a run. Other commands that look at all styles call it too.
+// LIGGGHTS calls this at the start of a run. Other commands that initialise all styles call it too.
 void AtomVecMpdem::init() {
   AtomVecSphere::init();
   apart = false;
   waiting.finish(lmp);
-  // `run 0` moves nothing, but LIGGGHTS drops what a restart file holds for fix mpm at the first run of all
+  // `run 0` moves nothing, but LIGGGHTS drops the data of a restart file for fix mpm at the first run
   if (update->whichflag == 0 || (update->nsteps == 0 && !is_in_motion()) || bonds.table.empty()) return;
-  // fix mpm/couple says itself that its fix mpm is gone, and which one it was
+  // fix mpm/couple itself reports that its fix mpm is gone
   if (has_fix("mpm") || has_fix("mpm/couple") || !has_cement()) return;
   mpdem::stop_all(lmp,
                   mpdem::text_of("atom_style mpdem: grains ", bonds.table[0].grain[0], " and ", bonds.table[0].grain[1],
@@ -97,7 +96,7 @@ bool AtomVecMpdem::is_in_motion() const {
   return std::any_of(bonds.table.begin(), bonds.table.end(), [](const mpdem::BondRecord& b) { return b.in_motion; });
 }
 
-// Collective. A command may have deleted all points, or they left.
+// Collective. False after a command deleted all points, or all of them left.
 bool AtomVecMpdem::has_cement() const {
   int some = !bonds.rows_without_points().empty(), any;
   for (int i = 0; i < atom->nlocal; ++i) some |= is_point(i);
@@ -109,7 +108,7 @@ bool AtomVecMpdem::has_fix(const char* style) const {
   return std::any_of(modify->fix, modify->fix + modify->nfix, [&](const Fix* fix) { return std::strcmp(fix->style, style) == 0; });
 }
 
-// fix mpm looks itself whether it has the motion.
+// fix mpm itself checks whether it has the motion.
 void AtomVecMpdem::check_motion_is_kept() const {
   if (!is_in_motion() || has_fix("mpm")) return;
   mpdem::stop_all(
@@ -187,8 +186,8 @@ int AtomVecMpdem::size_of_state(int i) const {
   return slot[i] <= -2 ? 1 + mpdem::numbers_of(grains[-2 - slot[i]]) : 1;
 }
 
-// Between runs LIGGGHTS may have handed all points of a bond to another rank, while the nodes wait for the next layout.
-// Then the rows of the nodes go to a rank that has points.
+// Between runs LIGGGHTS may have sent all points of a bond to another rank, while the nodes stay until the next layout.
+// Then the rows of the nodes are sent to a rank that has points.
 void AtomVecMpdem::send_rows_to_points(std::map<int, std::vector<double>>& of_bonds) const {
   std::vector<int> lost;
   for (const auto& b : of_bonds) {
@@ -252,7 +251,7 @@ int AtomVecMpdem::pack_rows(int i, double* buf) {
   return static_cast<int>(2 + to - from);
 }
 
-// The size is exact: the file gets as many numbers as are announced here.
+// The size must be exact: the file gets as many numbers as it announces.
 int AtomVecMpdem::size_restart() {
   check_motion_is_kept();
   int n = AtomVecSphere::size_restart();
@@ -260,13 +259,13 @@ int AtomVecMpdem::size_restart() {
   for (auto& b : rows_) {
     b.second.dealt = 0;
     const int rows = static_cast<int>(b.second.rows.size()) / kNumbersOfRow;
-    n += rows * kNumbersOfRow + 2 * std::min(rows, b.second.points);  // so many points have some rows
+    n += rows * kNumbersOfRow + 2 * std::min(rows, b.second.points);  // number of points that get rows
   }
   return n;
 }
 
-// State, rows and their length follow what the fixes wrote. They are taken off again before the base class hands the
-// rest to the fixes.
+// State, rows and their length follow the data of the fixes. unpack_restart() removes them again before the base class
+// passes the rest to the fixes.
 int AtomVecMpdem::pack_restart(int i, double* buf) {
   int m = AtomVecSphere::pack_restart(i, buf);
   int n = pack_rows(i, &buf[m]);
@@ -277,7 +276,8 @@ int AtomVecMpdem::pack_restart(int i, double* buf) {
   return m;
 }
 
-// Returns what is wrong with the numbers of an atom in a restart file. The last `own` of them are state and its length.
+// Returns what is wrong with the data of an atom in a restart file. The last `own` numbers are the state and its
+// length.
 std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own) const {
   const auto whole = [](double v) { return ubuf(v).i; };
   const int fixes = total - own - kSphereNumbers;
@@ -326,7 +326,7 @@ std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own)
 }
 
 int AtomVecMpdem::unpack_restart(double* buf) {
-  // The seal of the file, if it has one, tells whether the file is as it was written, see host/restart_seal.cpp.
+  // A seal shows whether the file is as it was written (host/restart_seal.cpp). Files may come without one.
   const double most = kSphereNumbers + atom->nextra_store + kMostOfState + 1 + static_cast<double>(kMostRowsOfPoint) * kNumbersOfRow;
   const int total = buf[0] > kSphereNumbers && buf[0] <= most ? static_cast<int>(buf[0]) : 1;
   const double own_length = buf[total - 1];
@@ -351,7 +351,7 @@ int AtomVecMpdem::unpack_restart(double* buf) {
 
 namespace {
 
-// fwrite and fread take no null pointer, which an empty vector has.
+// fwrite and fread accept no null pointer, which an empty vector has.
 void write_numbers(FILE* fp, const std::vector<double>& numbers) {
   if (!numbers.empty()) fwrite(numbers.data(), sizeof(double), numbers.size(), fp);
 }
@@ -359,7 +359,7 @@ bool read_numbers(FILE* fp, std::vector<double>& numbers) {
   return numbers.empty() || fread(numbers.data(), sizeof(double), numbers.size(), fp) == numbers.size();
 }
 
-// Returns the largest number of numbers that a file may have left.
+// Returns how many numbers are left in a file at most.
 bigint numbers_left(FILE* fp) {
   const long here = std::ftell(fp);
   std::fseek(fp, 0, SEEK_END);
@@ -368,7 +368,7 @@ bigint numbers_left(FILE* fp) {
   return left;
 }
 
-// Copies the numbers of the first rank to all ranks. There may be more than MPI counts.
+// Broadcasts the numbers of the first rank. There may be more than MPI can count.
 void broadcast(std::vector<double>& numbers, MPI_Comm comm) {
   constexpr std::size_t kMost = std::size_t{1} << 30;
   for (std::size_t at = 0; at < numbers.size(); at += kMost)
@@ -402,8 +402,8 @@ std::vector<double> AtomVecMpdem::packed_bonds() const {
   return numbers;
 }
 
-// Returns what is wrong with this style's data in a file, or an empty text. If nothing is wrong, the table of bonds is
-// that of the file.
+// Returns what is wrong with the data of this style in a file, or an empty text; then the table of bonds is that of the
+// file.
 std::string AtomVecMpdem::read_bonds(FILE* fp) {
   const std::string cure = "; use another restart file", truncated = "the file is truncated in the data of atom_style mpdem" + cure;
   char magic[sizeof kRestartMagic];
@@ -453,7 +453,7 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
   share_bonds();
 }
 
-// Copies bodies and patterns of the first rank to all ranks.
+// Broadcasts bond records and point templates of the first rank.
 void AtomVecMpdem::share_bonds() {
   int count[3] = {static_cast<int>(bonds.table.size()), static_cast<int>(bonds.patterns.size()), 0};
   std::vector<double> patterns = mpdem::packed(bonds.patterns);
@@ -480,7 +480,7 @@ void AtomVecMpdem::data_atom(double* coord, tagint image, char** values) {
   slot[atom->nlocal - 1] = kPlain;
 }
 
-// read_data would make ordinary spheres of the points, and grains without bonds.
+// read_data would turn points into ordinary spheres, and lose the bonds.
 void AtomVecMpdem::refuse_data_file() const {
   if (bonds.table.empty()) return;
   mpdem::stop_all(

@@ -2,9 +2,9 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // atom_style mpdem: spheres as in atom_style sphere, plus the state of material points and the orientation of bonded
-// grains. That state is kept once, in the layout of the MPM kernels (cement/bond/bond.h). An atom only holds its bond and
-// the number of its slot there. That is all that moves when LIGGGHTS reorders atoms. The state is packed when an atom
-// changes rank or is written to a restart file.
+// grains. The state is stored once, in the layout of the MPM kernels (cement/bond/bond.h). An atom stores only the row
+// of its bond and the index of its slot there, so only these move when LIGGGHTS reorders atoms. The state is packed
+// when an atom changes rank or is written to a restart file.
 #ifdef ATOM_CLASS
 
 AtomStyle(mpdem, AtomVecMpdem)
@@ -32,24 +32,25 @@ class AtomVecMpdem : public AtomVecSphere {
   explicit AtomVecMpdem(LAMMPS* lmp);
   ~AtomVecMpdem() override;
 
-  // slot[i] of atom i is the place of a point in the points of bond[i]; of a point of its film it is that place in the
-  // film and Bond::kFilm. It is -2 - index into `grains` for a bonded grain, and kPlain for any other atom.
+  // slot[i] of atom i is the index of a material point in the points of bond[i]. For a point of a film it is
+  // Bond::kFilm plus the index in the film. For a bonded grain it is -2 - index into `grains`, and for any other atom
+  // kPlain.
   static constexpr int kPlain = -1;
   int *slot = nullptr, *bond = nullptr;
   mpdem::Bonds bonds;
   using GrainState = mpdem::GrainState;
   std::vector<GrainState> grains;
-  // State of fixes for points that were made after read_restart and before the first run.
+  // State of other fixes for points made between read_restart and the first run.
   WaitingState waiting;
-  // Does the script keep points out of LIGGGHTS' bins, and so out of all of its lists of neighbours? fix mpm finds out when a run is
-  // prepared (host_guards.h). All atoms behind the first group are out of them then.
+  // True if the script keeps points out of LIGGGHTS' bins, and so out of all neighbour lists. All atoms behind the
+  // first group are out of the bins then. fix mpm sets it when it prepares a run, after the check in host_guards.h.
   bool apart = false;
-  // The last run with fix mpm, for runs without a set-up (host_guards.h). With `run ... pre no` LIGGGHTS calls fixes by their places in
-  // that run, and calls no init(). It is known here, since fix mpm may be one of the fixes that go.
+  // The last run with fix mpm, to check `run ... pre no` (host_guards.h). LIGGGHTS then calls fixes by their indices in
+  // that run and calls no init(). It is stored here since fix mpm itself may be among the fixes that were removed.
   struct LastRun {
     struct Known {
       std::string id, style;
-      bool created;  // LIGGGHTS clears this flag of a fix at the start of a run, but not of one that is made after that
+      bool created;  // just_created; LIGGGHTS clears it at the start of a run only
     };
     std::vector<Known> fixes;  // at its set-up
     std::size_t bonds = 0;     // at its set-up
@@ -60,7 +61,7 @@ class AtomVecMpdem : public AtomVecSphere {
   } last_run;
 
   bool is_point(int i) const { return slot[i] >= 0; }
-  // The store of atom i, which has to be a point, and its slot there.
+  // The store of atom i, which must be a point, and the index of its slot there.
   const mpdem::PointStore& points_of(int i) const { return bonds.find(bond[i])->store_of(slot[i]); }
   mpdem::PointRecord record_of(int i) const { return bonds.find(bond[i])->record(slot[i]); }
   int slot_of(int i) const { return mpdem::Bond::slot_in_store(slot[i]); }
@@ -71,31 +72,31 @@ class AtomVecMpdem : public AtomVecSphere {
   GrainState* grain(int i) { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }
   const GrainState* grain(int i) const { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }
   double* orientation(int i) { return slot[i] <= -2 ? grain(i)->q : nullptr; }
-  // LIGGGHTS clears forces and torques of the first group alone. Those of points have no meaning, so they show zero.
+  // Sets forces and torques of points to zero. They have no meaning, and LIGGGHTS clears those of the first group only.
   void clear_loads_of_points();
-  // Gives a grain a state, if it has none. Its orientation is the identity.
+  // Gives a grain a state with the identity as orientation, if it has none.
   void track_orientation(int i);
 
-  // Head of the data of this style in a restart file: bytes to know it by, its version, the numbers of a body, how many
-  // bodies, how many patterns of points, and whether a seal ends the file. Only host/restart_seal.cpp writes the seal.
-  // Behind the head come the bodies, the bytes again, the number of numbers of the patterns, these numbers, and the
-  // bytes again.
+  // Head of the data of this style in a restart file: magic bytes, then version, values per bond record, number of
+  // records, number of point templates, and whether a seal ends the file (only host/restart_seal.cpp writes it). Then
+  // follow the records, the magic bytes, the count of the values of the templates, these values, and the magic bytes
+  // again.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 27, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: place of the seal in the head
+  static constexpr int kRestartVersion = 27, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: index in the head
   static inline bool restart_is_sealed = false;
 
-  // Numbers that the next restart file has with the points of a bond of this rank, kNumbersOfRow for each row. They are
-  // dealt out to the points evenly, so that no atom has many. After read_restart, restored_rows has the numbers of the
-  // file, on the ranks that have these points then.
+  // Rows of nodes, kNumbersOfRow values each, that the next restart file stores with the points of a bond on this rank.
+  // They are spread evenly over the points, so that no atom has many. After read_restart, restored_rows has the rows of
+  // the file, on the ranks that have these points then.
   static constexpr int kNumbersOfRow = mpdem::kMostNumbers<mpdem::NodeRow>, kMostRowsOfPoint = 4096;
   void write_with_points(std::map<int, std::vector<double> > of_bonds);
   void forget_nodes() { rows_.clear(); }
-  // The same on all ranks. Stops if there is cement in motion, and no fix mpm to write the motion of its nodes. Call
-  // before a restart file is written.
+  // Same result on all ranks. Stops if cement is in motion and there is no fix mpm to write the motion of its nodes.
+  // Call it before a restart file is written.
   void check_motion_is_kept() const;
   std::vector<double> restored_rows;
 
-  // Returns the atom style in use, or null.
+  // Returns the atom style in use, or null if it is another.
   static AtomVecMpdem* of(LAMMPS* lmp);
 
   void init() override;
@@ -110,7 +111,7 @@ class AtomVecMpdem : public AtomVecSphere {
   void read_restart_settings(FILE* fp) override;
   void create_atom(int itype, double* coord) override;
   void data_atom(double* coord, tagint image, char** values) override;
-  // write_data calls one of these, on all ranks.
+  // write_data calls one of these on all ranks.
   void pack_data(double** buf) override;
   void pack_data(double** buf, int tag_offset) override;
   bigint memory_usage() override;
@@ -118,7 +119,7 @@ class AtomVecMpdem : public AtomVecSphere {
  private:
   struct RowsOfBond {
     std::vector<double> rows;
-    int points = 0, dealt = 0;  // points of the bond on this rank; how many of them have their rows already
+    int points = 0, dealt = 0;  // points of the bond on this rank, and how many of them have their rows
   };
   std::map<int, RowsOfBond> rows_;  // for the next restart file
   int pack_rows(int i, double* buf);

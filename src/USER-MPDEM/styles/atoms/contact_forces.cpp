@@ -35,12 +35,13 @@ class ContactForces::Listener : public ComputePairGranLocal {
   std::vector<int> tags;  // of grains that have cement, ascending
 
  private:
-  // Without `newton on` both ranks of a contact find it. LIGGGHTS' own tables have it on this one.
+  // Without `newton on` both ranks of a contact find it. LIGGGHTS' own tables count it on this one.
   bool is_of_other_rank(int i, int j) const { return !force->newton_pair && j >= atom->nlocal && atom->tag[i] <= atom->tag[j]; }
   bool has_cement(int i) const { return std::binary_search(tags.begin(), tags.end(), atom->tag[i]); }
 };
 
-// LIGGGHTS refuses such a compute once there were steps, since histories might lack values that it asks for. This one asks for none.
+// LIGGGHTS refuses such a compute after the first step, since histories might lack values that it requests. This one
+// requests none, so the step is set to 0 meanwhile.
 ContactForces::ContactForces(LAMMPS* lmp) : lmp_(lmp) {
   char name[] = "mpm_contacts", all[] = "all", style[] = "pair/gran/local", what[] = "force";
   char* words[] = {name, all, style, what};
@@ -63,7 +64,7 @@ Report::Magnitudes ContactForces::of_bonded(const std::vector<BondRecord>& table
       if (b.has_grain(s)) tags.push_back(b.grain[s]);
   sort_unique(tags);
   listener_->heard = {};
-  lmp_->comm->forward_comm();  // ghosts have the velocities of half a step before, and dashpots would differ with the ranks
+  lmp_->comm->forward_comm();  // ghosts have velocities half a step old, so dashpots would depend on the number of ranks
   ComputePairGranLocal* const of_script = contacts->cpl();
   int unused;
   if (of_script) contacts->unregister_compute_pair_local(of_script);

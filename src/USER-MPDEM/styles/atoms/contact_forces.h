@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Forces of LIGGGHTS' contacts between grains, one by one. LIGGGHTS keeps no list of them. It tells them to a compute of the
-// style pair/gran/local while it finds them once more, which changes neither forces nor histories. This class listens in the
-// place of such a compute, whether the script has one or not. Contacts with walls are not among them.
+// Forces of LIGGGHTS' contacts between grains, one by one. LIGGGHTS stores no list of them. It passes them to a compute
+// of style pair/gran/local while it evaluates them once more, which changes neither forces nor histories. This class
+// takes the role of such a compute, whether the script has one or not. Contacts with walls are not included.
 #ifndef MPDEM_STYLES_ATOMS_CONTACT_FORCES_H
 #define MPDEM_STYLES_ATOMS_CONTACT_FORCES_H
 
@@ -21,8 +21,9 @@ class ContactForces {
   explicit ContactForces(LAMMPS_NS::LAMMPS* lmp);
   ~ContactForces();
 
-  // Collective, within a run alone, since it uses LIGGGHTS' list of neighbours. Sums the forces of contacts of which one grain has
-  // cement at least; each contact is on one rank. Velocities are those of now, while those of the step lie half a step before.
+  // Collective. Within a run only, since it uses LIGGGHTS' neighbour list. Sums the forces of contacts in which at
+  // least one grain has cement; each contact counts on one rank. Uses the present velocities, while those of the step
+  // are half a step older.
   Report::Magnitudes of_bonded(const std::vector<BondRecord>& table);
 
  private:

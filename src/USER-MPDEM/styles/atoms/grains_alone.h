@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// While it lives, LIGGGHTS' list of the atoms of this rank ends with the grains, the group of `atom_modify first`. Points are behind
-// them. No atom may be made, moved in the list or sent while it lives.
+// During its lifetime LIGGGHTS' list of the atoms of this rank ends with the grains, the group of `atom_modify first`;
+// points are behind them. No atom may be made, moved in the list or sent in that time.
 #ifndef MPDEM_STYLES_ATOMS_GRAINS_ALONE_H
 #define MPDEM_STYLES_ATOMS_GRAINS_ALONE_H
 

@@ -25,11 +25,11 @@ const char* const kWords[] = {"PI",    "step", "dt",      "time",    "sqrt",   "
                               "sin",   "cos",  "tan",     "asin",    "acos",   "atan",      "atan2",   "ceil",   "floor",
                               "round", "ramp", "stagger", "logfreq", "stride", "vdisplace", "swiggle", "cwiggle"};
 
-// Asks the same of formulas that refer to each other. seen: variables on the way here. They end a circle, of which
-// LIGGGHTS tells later.
+// For formulas that refer to each other. seen: variables that lead to this one. They end a cycle, which LIGGGHTS
+// reports later.
 bool is_of_time_alone(LAMMPS* lmp, const std::string& formula, std::vector<std::string> seen);
 
-// A variable of a style other than equal and atom has plain numbers.
+// A variable of a style other than equal and atom holds plain numbers.
 bool variable_is_of_time_alone(LAMMPS* lmp, const std::string& name, std::vector<std::string> seen) {
   Variable* variables = lmp->input->variable;
   const int place = variables->find(const_cast<char*>(name.c_str()));
@@ -43,7 +43,7 @@ bool is_of_time_alone(LAMMPS* lmp, const std::string& formula, std::vector<std::
   for (std::size_t at = 0; at < formula.size();) {
     const char c = formula[at];
     if (c == '[' || c == '$') return false;
-    if (std::isdigit(static_cast<unsigned char>(c)) || c == '.') {  // a number, maybe with an exponent
+    if (std::isdigit(static_cast<unsigned char>(c)) || c == '.') {  // a number, possibly with an exponent
       while (at < formula.size() && (std::isdigit(static_cast<unsigned char>(formula[at])) || formula[at] == '.')) ++at;
       if (at < formula.size() && (formula[at] == 'e' || formula[at] == 'E')) ++at;
       continue;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Material points are behind the grains in LIGGGHTS' list of atoms, and no integrator moves them. While fixes
-// integrate, the list ends with the grains, so that their loops do not go over the points. The points are hidden only
-// if all that acts then is known to look at no points.
+// Hides the material points from the integrators. Points are behind the grains in LIGGGHTS' list of atoms, and no
+// integrator moves them. While fixes integrate, the list ends with the grains, so that their loops skip the points.
+// This is done only if all fixes and formulas that act in that time are known not to read points.
 #ifndef MPDEM_STYLES_ATOMS_HIDDEN_POINTS_H
 #define MPDEM_STYLES_ATOMS_HIDDEN_POINTS_H
 
@@ -18,7 +18,7 @@ namespace mpdem {
 class HiddenPoints {
  public:
   explicit HiddenPoints(LAMMPS_NS::LAMMPS* lmp) : lmp_(lmp) {}
-  // Call at the start of a run. fix: calls hide() before others integrate, and show() after them.
+  // Call at the start of a run. fix: the one that calls hide() before others integrate, and show() after them.
   void start(const LAMMPS_NS::Fix* fix);
   void hide();
   void show() { hidden_.reset(); }
@@ -30,7 +30,7 @@ class HiddenPoints {
   std::optional<GrainsAlone> hidden_;
 };
 
-// Does a formula of LIGGGHTS look at nothing but time, numbers and variables of this kind?
+// Returns whether a formula of LIGGGHTS depends on time, numbers and variables of this kind only.
 bool is_of_time_alone(LAMMPS_NS::LAMMPS* lmp, const std::string& formula);
 
 }  // namespace mpdem

@@ -21,16 +21,16 @@ using namespace LAMMPS_NS;
 
 namespace {
 constexpr int kFixedBoundary = 1;  // value in Domain::boundary
-constexpr double kFastest = 0.5;   // cells in a step of the cement; what is faster is unstable
+constexpr double kFastest = 0.5;   // cells per step of the cement; faster motion is unstable
 }  // namespace
 
 bool left_the_box(const Domain& box, int d, double x) {
   return (box.boundary[d][0] == kFixedBoundary && x < box.boxlo[d]) || (box.boundary[d][1] == kFixedBoundary && x >= box.boxhi[d]);
 }
 
-// x: place of the point of atom i at `slot`.
+// x: position of the point of atom i in `slot`.
 void LeavingAtoms::show(int i, int row, int slot, double* x) {
-  // `remap` of the old flags cannot be used, since x is unwrapped here.
+  // The old image flags cannot be used, since x is unwrapped here.
   atom->image[i] = ((tagint)IMGMAX << IMG2BITS) | ((tagint)IMGMAX << IMGBITS) | IMGMAX;
   domain->remap(x, atom->image[i]);
   bool noted = false;
@@ -201,7 +201,7 @@ void LeavingAtoms::stop_if_wrong(const Leaving& leaving, bigint of_all, double c
 }
 
 void LeavingAtoms::remove(const std::vector<int>& tags) {
-  bigint mine[2] = {static_cast<bigint>(tags.size()), 0}, all[2];  // points, and atoms among them
+  bigint mine[2] = {static_cast<bigint>(tags.size()), 0}, all[2];  // points, and how many of them still have an atom
   for (int tag : tags) {
     const int i = local_atom(*atom, tag);
     if (i < 0) continue;

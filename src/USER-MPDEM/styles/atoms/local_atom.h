@@ -7,8 +7,8 @@
 
 namespace mpdem {
 
-// Place of an atom of this rank by its ID, or -1. Once atoms were deleted, LIGGGHTS' map ends at the largest ID that is left, and reads
-// beyond its end for others.
+// Index of an atom of this rank by its ID, or -1. Once atoms were deleted, LIGGGHTS' map ends at the largest ID that is
+// left, and LIGGGHTS reads beyond its end for larger ones.
 inline int local_atom(LAMMPS_NS::Atom& atom, int tag) {
   const int i = tag <= atom.map_tag_max ? atom.map(tag) : -1;
   return i < atom.nlocal ? i : -1;

@@ -26,12 +26,12 @@ namespace {
 
 constexpr double kMostTag = 2147483647.0;
 
-// A grain of a bond: how many ranks have it, place without periods, orientation, velocity.
+// A grain of a bond: number of ranks that have it, unwrapped position, orientation, velocities.
 struct GrainOfRow {
   double found = 0.0, x[3] = {0, 0, 0}, q[4] = {0, 0, 0, 0}, v[3] = {0, 0, 0}, omega[3] = {0, 0, 0};
 };
 
-// Both grains of each of these bonds, one after the other.
+// Collective. Both grains of each of these bonds, one after the other.
 std::vector<GrainOfRow> grains_of(LAMMPS* lmp, AtomVecMpdem& avec, const std::vector<int>& rows) {
   Atom& atom = *lmp->atom;
   std::vector<GrainOfRow> grains(2 * rows.size());
@@ -50,11 +50,11 @@ std::vector<GrainOfRow> grains_of(LAMMPS* lmp, AtomVecMpdem& avec, const std::ve
   return grains;
 }
 
-// Finds where the points of a body are. Its first grain took them along. Their velocities lie between those of both
-// grains, as create_cement gives them.
+// Finds positions and velocities of the points of a bond in rigid motion with its first grain. Velocities are
+// interpolated between those of both grains, as in create_cement.
 class RigidBody {
  public:
-  // grains: both of the body, one after the other
+  // grains: both of the bond, one after the other
   RigidBody(const BondRecord& record, const GrainOfRow* grains) : record_(record), grain_(grains[0]), axes_(axes_of(record)) {
     for (int s = 0; s < 2; ++s) {
       both_[s].radius = record.radius[s];
@@ -62,7 +62,8 @@ class RigidBody {
       std::copy(grains[s].omega, grains[s].omega + 3, both_[s].omega);
     }
     if (!record.in_motion) return;
-    // turns from the axes of the body back to those of the grain, and on to the box as the grain lies now
+    // from the axes of the bond back to those of its first grain, and on to the box by the present rotation of the
+    // grain
     turned_ = product(rotation_of(grain_.q), transpose(rotation_of(record.orientation[0])));
   }
   void find(const double* X, double* x, double* v) const {
@@ -95,7 +96,7 @@ SceneBox scene_box(const Domain& domain) {
     box.high[c] = domain.boxhi[c];
     box.period[c] = domain.prd[c];
     box.periodic[c] = domain.periodicity[c] != 0;
-    // A side that follows the atoms lets them lie beyond it. LIGGGHTS moves it before it exchanges atoms.
+    // Atoms may lie beyond a face that follows them. LIGGGHTS moves it before it exchanges atoms.
     constexpr int kFollows = 2;
     constexpr double kAnywhere = 1e150;
     box.own_low[c] = domain.boundary[c][0] >= kFollows && domain.sublo[c] == domain.boxlo[c] ? -kAnywhere : domain.sublo[c];

@@ -23,10 +23,10 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-// A condensed bond takes the time of this many points.
+// Work of a condensed bond, in points.
 constexpr double kWorkOfCondensed = 4.0;
 
-// Returns the next of n bricks on the shorter way, which may lead across the ends of a periodic box.
+// Returns the next of n subdomains on the shorter path, which may lead across a periodic boundary.
 int step_towards(int from, int to, int n, bool periodic) {
   int way = to - from;
   if (periodic && 2 * std::abs(way) > n) way = -way;
@@ -118,10 +118,10 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
       to = record.home > 0 ? bricks_[record.home - 1] : subdomain_of(i);
       for (int d = 0; d < 3; ++d) next[d] = step_towards(here[d], to[d], comm->procgrid[d], domain->periodicity[d] != 0);
     } else if (!avec.bonds.find(avec.bond[i])->is_laid_out(avec.slot[i])) {
-      continue;  // its true place could not be shown again
+      continue;  // its true position could not be restored afterwards
     }
     mine[kOnTheWay] |= next != to;
-    if (record.home == 0 && next == to) continue;  // the place alone brings it to this rank
+    if (record.home == 0 && next == to) continue;  // its position alone leads to this rank
     mine[kShown] = 1;
     for (int d = 0; d < 3; ++d) atom->x[i][d] = middle(d, next[d]);
   }
@@ -131,7 +131,7 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
   return any[kOnTheWay] != 0;
 }
 
-// Returns bonds that are awake and whole on this rank, with the bricks in which they lie.
+// Returns resolved bonds that are wholly on this rank, with the range of subdomains in which they lie.
 std::vector<MovableBond> PointRanks::movable_bonds(const AtomVecMpdem& avec) const {
   std::map<int, MovableBond> found;
   for (const Bond& b : avec.bonds.resolved())

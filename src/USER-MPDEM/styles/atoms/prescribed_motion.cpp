@@ -21,7 +21,7 @@ using LAMMPS_NS::FixSetForce;
 
 namespace {
 
-// Returns whether the fix gives the motion along direction d.
+// Does the fix prescribe the motion along direction d?
 bool gives(const FixMove* fix, int d) {
   enum { kLinear, kWiggle, kRotate, kVariable };  // values of fix_move.cpp
   const MoveMembers move = members_of(fix);
@@ -33,7 +33,7 @@ bool gives(const FixMove* fix, int d) {
   }
 }
 
-// NULL is the style that leaves a component alone. It is 0 in fix_setforce.cpp. The style of a variable is known only
+// For NULL, which leaves a component free, the style is 0 in fix_setforce.cpp. The style of a variable is known only
 // after init.
 bool sets(const FixSetForce* fix, int d) {
   const SetForceMembers set = members_of(fix);

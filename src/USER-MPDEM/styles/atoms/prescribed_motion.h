@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Tells which part of the motion of a grain fixes prescribe, whatever else acts on it. `fix move` integrates the
-// components that its script leaves out (NULL) like `fix nve`. Neither turns a grain by its torque.
+// Components of the motion of a grain that fixes prescribe, whatever loads act on it. `fix move` integrates the
+// components that its script leaves out (NULL) like `fix nve`; neither of them rotates a grain by its torque.
 #ifndef MPDEM_STYLES_ATOMS_PRESCRIBED_MOTION_H
 #define MPDEM_STYLES_ATOMS_PRESCRIBED_MOTION_H
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The one place with access to private members of LIGGGHTS' classes. LIGGGHTS has no functions that tell them, and its
-// headers stay as they are. private_access.cpp names each member once.
+// The only file with access to private members of LIGGGHTS' classes. LIGGGHTS has no accessors for them, and its
+// headers stay unchanged. private_access.cpp names each member once.
 #ifndef MPDEM_STYLES_ATOMS_PRIVATE_ACCESS_H
 #define MPDEM_STYLES_ATOMS_PRIVATE_ACCESS_H
 
@@ -28,7 +28,7 @@ class Variable;
 
 namespace mpdem {
 
-// Tables of LIGGGHTS: the name of a style or command, and the function that makes it.
+// Tables of LIGGGHTS: name of a style or command, and the function that makes it.
 using FixStyles = std::map<std::string, LAMMPS_NS::Fix* (*)(LAMMPS_NS::LAMMPS*, int, char**)>;
 using ComputeStyles = std::map<std::string, LAMMPS_NS::Compute* (*)(LAMMPS_NS::LAMMPS*, int, int, char**)>;
 using CommandStyles = std::map<std::string, void (*)(LAMMPS_NS::LAMMPS*, int, char**)>;
@@ -40,18 +40,18 @@ CommandStyles& command_styles(LAMMPS_NS::Input* input);
 // Returns the name of the file that a dump writes.
 const char* file_of(const LAMMPS_NS::Dump* dump);
 
-// Returns the number of the group of `communicate ... group`, or 0 without one.
+// Returns the index of the group of `communicate ... group`, or 0 without one.
 int ghost_group(const LAMMPS_NS::Comm* comm);
 
-// When LIGGGHTS writes restart files. any: a command `restart` asked for some. The others are the next step of either
-// kind.
+// When LIGGGHTS writes restart files. any: a command `restart` asked for some. next_single, next_double: next step of
+// either kind.
 struct RestartSchedule {
   bool any;
   LAMMPS_NS::bigint &next_single, &next_double;
 };
 RestartSchedule restart_schedule(LAMMPS_NS::Output* output);
 
-// Members of fix move, by direction. Where the script gives a component, its flag is not 0 and the name of its variable is
+// Members of fix move, by direction. Where the script gives a component, its flag is not 0 and the name of its variable
 // not null. `style` is mstyle of fix_move.cpp; the flags are those of velocities and amplitudes.
 struct MoveMembers {
   int style;
@@ -60,16 +60,16 @@ struct MoveMembers {
 };
 MoveMembers members_of(const LAMMPS_NS::FixMove* move);
 
-// Does the gravity change, by a variable?
+// Does the gravity depend on a variable?
 bool is_variable(const LAMMPS_NS::FixGravity* gravity);
 
-// Returns the formula of a variable of style equal, by its place in the table of variables.
+// Returns the formula of a variable of style equal. place: its index in the table of variables.
 const char* formula_of(LAMMPS_NS::Variable* variables, int place);
 
-// Makes the fix the last to act at the start of a step, before and after velocities are brought to its end. This holds
-// for the rest of this run.
+// Makes the fix the last in the lists of initial_integrate, pre_final_integrate and final_integrate for the rest of
+// this run.
 void act_last(LAMMPS_NS::Modify* modify, const LAMMPS_NS::Fix* fix);
-// Does the same for the hook before atoms are exchanged.
+// Makes the fix the last in the list of pre_exchange for the rest of this run.
 void exchange_last(LAMMPS_NS::Modify* modify, const LAMMPS_NS::Fix* fix);
 
 // Members of fix setforce, by direction.

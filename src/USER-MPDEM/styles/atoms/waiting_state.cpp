@@ -15,8 +15,8 @@
 
 namespace LAMMPS_NS {
 
-// The part of each fix in a row begins with the length of the part. Values have the same length for all atoms. A
-// history grows with the contacts, and zeros of any length are a history without contacts.
+// In a row, the data of each fix begin with their length. Values have the same length for all atoms. A contact history
+// grows with the contacts, and zeros of any length are a history without contacts.
 
 bool WaitingState::fits(LAMMPS* lmp, const double* state, int size) {
   if (size > lmp->atom->nextra_store) return false;

@@ -53,7 +53,7 @@ FixMpm* BondStiffness::find_cement() const {
   return nullptr;
 }
 
-// Call on the first rank. Returns what is wrong.
+// Call it on the first rank. Returns an error message, or an empty text.
 std::string BondStiffness::write(const std::string& name, const std::vector<mpdem::StiffnessOfBond>& bonds) const {
   const std::vector<mpdem::BondRecord>& table = AtomVecMpdem::of(lmp)->bonds.table;
   const std::string other = mpdem::writer_of(lmp, name, nullptr);

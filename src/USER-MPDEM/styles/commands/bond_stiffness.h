@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Command bond_stiffness: the static stiffness of each bond as a table. See doc/bond_stiffness.md.
+// Command bond_stiffness: writes the static stiffness of each bond as a table. See doc/bond_stiffness.md.
 #ifdef COMMAND_CLASS
 
 CommandStyle(bond_stiffness, BondStiffness)

@@ -59,7 +59,7 @@ std::string joined(const std::vector<std::string>& parts, const std::string& bet
   return text;
 }
 
-// Names of all shapes, or of those that have this word.
+// Names of all shapes, or of those that have this keyword.
 std::vector<std::string> shapes_with(const std::string& word) {
   std::vector<std::string> names;
   for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
@@ -67,7 +67,7 @@ std::vector<std::string> shapes_with(const std::string& word) {
   return names;
 }
 
-// Sets a frame with its third axis along the axis of the elasticity, and the damage in its components.
+// Sets a frame whose third axis is the axis of the elasticity, and the damage in its components.
 void set_frame(const FillPoint& p, mpdem::PointRecord& r) {
   const Eigen::Quaterniond q = mpdem::frame_along(p.axis);
   const double w[4] = {q.w(), q.x(), q.y(), q.z()};
@@ -81,7 +81,7 @@ void set_frame(const FillPoint& p, mpdem::PointRecord& r) {
   std::copy(turned, turned + 6, r.damage);
 }
 
-// 2710 kg/m3 in the units of the script. 0 in units of which this is not known.
+// 2710 kg/m3 in the units of the script; 0 in units of unknown dimension.
 double density_of_calcite(const std::string& units) { return units == "si" ? 2710.0 : units == "cgs" || units == "micro" ? 2.71 : 0.0; }
 
 }  // namespace
@@ -97,7 +97,7 @@ void CreateCement::check_scene(const Arguments& args) const {
 int CreateCement::group_of_points(const std::string& name) const {
   int igroup = group->find(name.c_str());
   if (igroup < 0) {
-    // Makes an empty group. Input::one cannot be used, since it would overwrite the words still to be read.
+    // Makes an empty group. Input::one cannot be used, since it would overwrite the arguments still to be read.
     std::string words[] = {name, "subtract", "all", "all"};
     char* list[] = {&words[0][0], &words[1][0], &words[2][0], &words[3][0]};
     group->assign(4, list);
@@ -136,7 +136,7 @@ std::vector<GrainToBond> CreateCement::grains_of(const Pairs& pairs) const {
       avec->track_orientation(i);
       AtomVecMpdem::GrainState& state = *avec->grain(i);
       std::copy(state.q, state.q + 4, g.q);
-      // Other cement of the grain knows the place where the grain was.
+      // Other cement of the grain refers to the position that is known already.
       if (!state.position_known) std::copy(g.unwrapped, g.unwrapped + 3, state.x);
       state.position_known = true;
       state.tag = atom->tag[i];
@@ -154,7 +154,7 @@ CreateCement::Pairs CreateCement::cemented() const {
   return pairs;
 }
 
-// Reads a word that belongs to the last shape.
+// Reads a keyword that belongs to the last shape.
 void CreateCement::read_word_of_shape(const std::string& key, Arguments& args, CementWish& wish) const {
   if (wish.shapes.empty()) args.complain("'" + key + "' belongs to a shape; write it after 'shape ...'");
   const mpdem::ShapeStyle& style = *wish.shapes.back().style;
@@ -165,13 +165,13 @@ void CreateCement::read_word_of_shape(const std::string& key, Arguments& args, C
   wish.shapes.back().given[key] = zero ? args.not_negative(key) : args.positive(key);
 }
 
-// Reads words up to the end of the command: shapes, each with its own words, and what holds for all.
+// Reads the rest of the command: shapes, each with its own keywords, and keywords for all of them.
 void CreateCement::read_words(Arguments& args, CementWish& wish) {
   bool has_inner = false, has_film = false;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     const bool of_shape = key == "content" || !shapes_with(key).empty();
-    // words of a shape may come once for each shape
+    // keywords of a shape may come once for each shape
     if (key != "shape") args.once(key, !of_shape || wish.shapes.empty() ? "" : text_of("shape number ", wish.shapes.size()));
     if (key == "shape") {
       wish.shapes.emplace_back();
@@ -260,7 +260,7 @@ Arguments CreateCement::named(const GrainTags& pair, const Arguments& args) {
   return copy;
 }
 
-// Collective. Plans bonds of these pairs. The words are read after the first pair has been looked at.
+// Collective. Plans bonds of these pairs. The keywords are read after the first pair was checked.
 void CreateCement::plan(CementPlan& plan, const Pairs& pairs, const Arguments& args) {
   Arguments words = named(pairs[0], args);
   plan.make(pairs, grains_of(pairs), cemented(), [&](CementWish& wish) { read_words(words, wish); });
@@ -284,7 +284,7 @@ void CreateCement::cement_pair(Arguments& args) {
   say(maker.text_of_skipped());
 }
 
-// Reads the words after `contacts`, and makes the cement.
+// Reads the arguments after `contacts`, and makes the cement.
 void CreateCement::cement_contacts(Arguments& args) {
   const std::string name = args.word("a group of grains for 'contacts'");
   const int igroup = group->find(name.c_str());
@@ -341,7 +341,7 @@ void CreateCement::say(const std::string& text) { mpdem::tell(lmp, text); }
 
 void CreateCement::warn(const std::string& text) { error->warning("create_cement", 0, text.c_str()); }
 
-// Collective. Returns what the new cement finds in the scene.
+// Collective. Returns the grains, the number of atoms and the largest ID before the cement is made.
 CementMaker::Scene CreateCement::scene() const {
   CementMaker::Scene scene;
   scene.grains = spheres(~0);
@@ -360,7 +360,7 @@ CementMaker::Sums CreateCement::make(CementMaker& maker) {
   return sums;
 }
 
-// Bonds of one geometry share a pattern, whichever command makes them.
+// Bonds of one geometry share a template, whichever command makes them.
 int CreateCement::pattern_of(const std::vector<FillPoint>& points) {
   std::vector<mpdem::PointTemplate>& patterns = AtomVecMpdem::of(lmp)->bonds.patterns;
   mpdem::PointTemplate pattern;
@@ -421,7 +421,7 @@ std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
   return found;
 }
 
-// Returns whether a point of a body belongs to this rank. Sets its place and its image.
+// Returns whether a point of a bond belongs to this rank. Sets its position in the box and its image.
 bool CreateCement::place(const BondRecord& record, const mpdem::Mat3<double>& axes, const FillPoint& p, double* x, int* image) const {
   const std::array<double, 3> in_box = mpdem::position_in_box(record, axes, p.X.data());
   std::copy(in_box.begin(), in_box.end(), x);

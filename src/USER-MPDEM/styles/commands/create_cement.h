@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Command create_cement: fills the cement between two grains with material points, or reads them from a file, and
-// attaches them. See doc/create_cement.md. cement/creation/cement_plan.h plans what is made, and cement/creation/cement_maker.h makes it.
-// The command has the words, and exchanges grains and points with LIGGGHTS.
+// attaches them to the grains. See doc/create_cement.md. This class reads the options and exchanges grains and points
+// with LIGGGHTS. cement/creation/cement_plan.h plans the bonds, and cement/creation/cement_maker.h makes them.
 #ifdef COMMAND_CLASS
 
 CommandStyle(create_cement, CreateCement)
@@ -33,7 +33,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
  private:
   using Pairs = std::vector<mpdem::GrainTags>;
 
-  // reading of words
+  // reading of options
   void check_scene(const mpdem::Arguments& args) const;
   int group_of_points(const std::string& name) const;
   void read_words(mpdem::Arguments& args, mpdem::CementWish& wish);
@@ -44,12 +44,12 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   void report_sums(const mpdem::CementMaker::Sums& sums, int groupbit, const std::string& name);
   static mpdem::Arguments named(const mpdem::GrainTags& pair, const mpdem::Arguments& args);
 
-  // what the scene has already
+  // existing grains and bonds
   std::vector<mpdem::Sphere> spheres(int groupbit) const;  // grains of this rank
   std::vector<mpdem::GrainToBond> grains_of(const Pairs& pairs) const;
   Pairs cemented() const;
 
-  // making
+  // creation
   void plan(mpdem::CementPlan& plan, const Pairs& pairs, const mpdem::Arguments& args);
   mpdem::CementMaker::Scene scene() const;
   mpdem::CementMaker::Sums make(mpdem::CementMaker& maker);

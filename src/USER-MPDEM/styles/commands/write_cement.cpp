@@ -45,7 +45,7 @@ struct PointNow {
 
 Eigen::Quaterniond quaternion(const double* q) { return {q[0], q[1], q[2], q[3]}; }
 
-// Writes the line of the names of the columns, or of the numbers of a row.
+// Writes the line of column names, or the numbers of a row.
 class TextLine : public mpdem::record_detail::Visitor<TextLine> {
  public:
   TextLine(std::FILE* file, bool of_names) : file_(file), of_names_(of_names) {}
@@ -69,7 +69,7 @@ void write_line(std::FILE* file, const mpdem::PointRow& row, bool of_names) {
   std::fputc('\n', file);
 }
 
-// Returns the row of a point as it is now. Foot points turn with their grains.
+// Returns the row of a point in its present state. Foot points rotate with their grains.
 mpdem::PointRow row_of(const PointNow& p, const mpdem::BondRecord& record, const std::map<int, GrainNow>& grains, bool has_axis,
                        bool has_link_damage) {
   const mpdem::PointRecord& r = p.record;
@@ -83,7 +83,7 @@ mpdem::PointRow row_of(const PointNow& p, const mpdem::BondRecord& record, const
   const double* D = r.damage;
   Eigen::Matrix3d m;
   m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
-  // a point without an axis has its damage in the axes of the body
+  // a point without an axis has its damage in the axes of the bond
   const Eigen::Quaterniond axes = has_axis ? quaternion(record.turn) * quaternion(r.q) : quaternion(record.turn);
   const Eigen::Matrix3d R = axes.toRotationMatrix();
   m = R * m * R.transpose();
@@ -113,8 +113,8 @@ mpdem::PointRow row_of(const PointNow& p, const mpdem::BondRecord& record, const
 struct WriteCement::Now {
   std::map<int, GrainNow> grains;
   std::vector<PointNow> points;
-  bool axes = false;         // true if all points have an axis
-  bool link_damage = false;  // true if any link has damage, or any point is a skin
+  bool axes = false;         // do all points have an axis?
+  bool link_damage = false;  // does any link have damage, or any point residue?
 };
 
 void WriteCement::command(int narg, char** arg) {
@@ -161,7 +161,7 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   std::vector<GrainNow> grains;
   std::vector<PointNow> points;
-  double unframed[3] = {0, 0, 0}, all[3];  // points without an axis, with one, and columns of a film
+  double unframed[3] = {0, 0, 0}, all[3];  // points without an axis, points with one, and columns of a film
   std::string unknown_law;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (avec->is_point(i)) {
@@ -206,7 +206,7 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
   return now;
 }
 
-// Call on the first rank. Returns what is wrong.
+// Call it on the first rank. Returns an error message, or an empty text.
 std::string WriteCement::write(const std::string& name, const std::vector<char>& chosen, const Now& now) const {
   const std::vector<mpdem::BondRecord>& table = AtomVecMpdem::of(lmp)->bonds.table;
   for (std::size_t b = 0; b < chosen.size(); ++b)

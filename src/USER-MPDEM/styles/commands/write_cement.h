@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Command write_cement: writes material points as text that create_cement reads. See doc/write_cement.md.
+// Command write_cement: writes material points as a text file that create_cement reads. See doc/write_cement.md.
 #ifdef COMMAND_CLASS
 
 CommandStyle(write_cement, WriteCement)

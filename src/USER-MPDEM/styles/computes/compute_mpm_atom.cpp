@@ -65,7 +65,7 @@ vd component(const Sym3<vd>& s, int i) {
   return v[i];
 }
 
-// Names of all quantities, those of the law included.
+// Names of all quantities, including those of the law.
 std::vector<std::string> names_of(const mpdem::Law& law) {
   std::vector<std::string> all = kNames;
   for (const std::string& name : law.columns()) all.push_back(name);
@@ -78,7 +78,7 @@ ComputeMpmAtom::ComputeMpmAtom(LAMMPS* lmp, int& iarg, int narg, char** arg) : C
   mpdem::Arguments args(lmp, mpdem::text_of("compute mpm/atom (id ", id, ")"), narg, arg, iarg);
   peratom_flag = 1;
   size_peratom_cols = 0;
-  // Compute does not set these. `write_dump` before a run reads the flag; each rank would go by what it finds there.
+  // Compute does not initialise these. `write_dump` before a run reads the flag, which could then differ between ranks.
   vector_atom = nullptr;
   invoked_flag = 0;
   cement_id_ = args.word("the ID of a fix mpm");
@@ -111,8 +111,7 @@ vd ComputeMpmAtom::value_of(const mpdem::PointStore& points, int b, const L& law
   const mpdem::PointBlock& p = points.blocks[b];
   const mpdem::BlockMeta& m = points.meta[b];
   const auto state = mpdem::state_of<L>(points, b);
-  const mpdem::Mat3<vd> R =
-      mpdem::product(axes_, mpdem::rotation_matrix(p.q));  // turn from the frame of the material to the axes of the box
+  const mpdem::Mat3<vd> R = mpdem::product(axes_, mpdem::rotation_matrix(p.q));  // rotation from the material frame to the axes of the box
   if (quantity_ == kDamage) return law.largest_damage(state);
   if (quantity_ < kDrive) return component(mpdem::rotate(R, law.damage(state)), quantity_ - kDamageXX);
   if (quantity_ == kDrive) {
@@ -138,7 +137,7 @@ vd ComputeMpmAtom::value_of(const mpdem::PointStore& points, int b, const L& law
 
 void ComputeMpmAtom::compute_peratom() {
   invoked_peratom = update->ntimestep;
-  init();  // `write_dump` evaluates computes without a run, and `unfix` may come before it
+  init();  // `write_dump` evaluates computes without a run, possibly after `unfix`
   cement_->show_points();
   if (atom->nlocal > size_) {
     memory->destroy(vector_atom);
@@ -160,7 +159,7 @@ void ComputeMpmAtom::compute_peratom() {
   }
 }
 
-// Finds the values of the points of a store of a bond, by blocks.
+// Finds the values of the points of a store, by blocks.
 void ComputeMpmAtom::find_values(const mpdem::PointStore& points, const mpdem::BondRecord& record) {
   value_.resize(points.blocks.size());
   const mpdem::Mat3<double> axes = mpdem::axes_of(record);
@@ -169,8 +168,8 @@ void ComputeMpmAtom::find_values(const mpdem::PointStore& points, const mpdem::B
   mpdem::with_law(cement_->law(), [&](const auto& law) {
     for (std::size_t b = 0; b < value_.size(); ++b) value_[b].v = value_of(points, static_cast<int>(b), law);
   });
-  // `attached` is 1 while attached to a grain, 2 once the link has let go. `grain` is the tag of that grain. Of two
-  // links, that of the nearer grain counts.
+  // `attached` is 1 while the point is attached to a grain, 2 once the link has debonded. `grain` is the ID of that
+  // grain. Of two links, that of the nearer grain counts.
   if (quantity_ == kAttached || quantity_ == kGrain)
     for (const mpdem::Link& k : points.links) {
       const int b = k.slot / kLanes, l = k.slot % kLanes;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// compute mpm/atom: one quantity of each material point, for dumps and reductions; zero
-// for other atoms. The compute's ID is the name of the dump column. See
-// doc/compute_mpm_atom.md.
+// compute mpm/atom: one quantity of each material point, for dumps and reductions; zero for other atoms. The ID of the
+// compute is the name of the dump column. See doc/compute_mpm_atom.md.
 #ifdef COMPUTE_CLASS
 
 ComputeStyle(mpm / atom, ComputeMpmAtom)
@@ -44,7 +43,7 @@ class ComputeMpmAtom : public Compute {
     mpdem::vd v;
   };
   std::vector<Row> value_;       // values of each block of a bond
-  mpdem::Mat3<mpdem::vd> axes_;  // axes of the body of the bond
+  mpdem::Mat3<mpdem::vd> axes_;  // axes of the bond
 };
 
 }  // namespace LAMMPS_NS

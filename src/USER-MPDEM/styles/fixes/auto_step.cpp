@@ -35,10 +35,10 @@ void AutoStep::set(Cement& c, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fi
   tell_substeps(o);
 }
 
-// Returns the longest step of the host by the stable step of the cement. With `subcycle auto` it is limited by the grains
-// if they are coupled, and the cement limits a sub-step.
+// Returns the longest step of LIGGGHTS for this stable step of the cement. With `subcycle auto` the cement limits a
+// sub-step, and coupled grains limit the step.
 double AutoStep::longest_step(Cement& c, double cement_load) {
-  constexpr double kShareOfSubsteps = 0.9;  // share of the stable step of the cement, as with `timestep auto`
+  constexpr double kShareOfSubsteps = 0.9;  // of the stable step of the cement, as with `timestep auto`
   if (c.options().subcycle > 0) return c.options().subcycle * cement_load;
   longest_substep_ = std::min(longest_substep_ > 0.0 ? longest_substep_ : HUGE_VAL, kShareOfSubsteps * cement_load);
   return share_ > 0.0 && c.penalty() ? std::max(cement_load, c.grains_step()) : cement_load;
@@ -55,7 +55,7 @@ void AutoStep::tell_substeps(const CementOptions& o) {
                     update->dt, "\n"));
 }
 
-// Edges that get nodes of their own are not tied any more, so the stable step is shorter where the cement has cracks.
+// Nodes at the edge of a new crack are not constrained, so cracks shorten the stable step.
 void AutoStep::warn_of_splits(const CementOptions& o) {
   const double most = !o.split ? 1.0 : o.unilateral ? 0.6 : o.mass_order > 1 ? 0.75 : 0.8;
   if (share_ <= most || splits_told_) return;
@@ -84,7 +84,7 @@ void AutoStep::set_step(double limit, const EigenvalueEstimate& e, const LAMMPS_
   if (dt == update->dt) return;
   update->dt = dt;
   if (force->pair) force->pair->reset_dt();
-  // Fixes before this one took up the old step in their init. reset_dt() cannot be used, since fix move refuses it even
+  // Fixes before this one read the old step in their init. reset_dt() cannot be used, since fix move refuses it even
   // before a run.
   for (int i = 0; i < modify->nfix && modify->fix[i] != running; ++i)
     if (modify->fix[i] != own) modify->fix[i]->init();

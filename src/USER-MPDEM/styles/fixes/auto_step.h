@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The time step of `timestep auto` and the sub-steps of `subcycle auto` of fix mpm. A step that was found stays as long as
-// it is stable, since formulas in step*dt would jump with it. Cement that fails leaves other limits behind, longer ones and
-// shorter ones.
+// The time step of `timestep auto` and the sub-steps of `subcycle auto` of fix mpm. A step once found is kept as long
+// as it is stable, since formulas in step*dt would jump with it. Cement that fails may raise or lower the stable step.
 #ifndef MPDEM_STYLES_FIXES_AUTO_STEP_H
 #define MPDEM_STYLES_FIXES_AUTO_STEP_H
 
@@ -16,15 +15,15 @@ namespace mpdem {
 
 class AutoStep : protected LAMMPS_NS::Pointers {
  public:
-  // who: name of the command. share: S of `timestep auto S`; 0: the script sets the time step.
+  // who: name of the command. share: S of `timestep auto S`; 0 if the script sets the time step.
   AutoStep(LAMMPS_NS::LAMMPS* lmp, std::string who, double share) : Pointers(lmp), who_(std::move(who)), share_(share) {}
 
   // Number of sub-steps of the cement in a step.
   int substeps(const CementOptions& o) const;
-  // Collective. Sets step and sub-steps, before other fixes take up the step. Call in the init of fix `running`. own: fix mpm.
-  // Throws BadState.
+  // Collective. Sets step and sub-steps before other fixes read the step. Call it in the init of fix `running`. own:
+  // fix mpm. Throws BadState.
   void set(Cement& c, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fix* own);
-  // With `subcycle auto` it tells the number of sub-steps if it is another. Stops if there are too many.
+  // With `subcycle auto` prints the number of sub-steps if it changed, and stops if there are too many.
   void tell_substeps(const CementOptions& o);
 
   void save(CementHead& head) const;

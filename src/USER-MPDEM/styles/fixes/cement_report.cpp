@@ -26,7 +26,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-// The limit is found twice on different blocks of points: for 'timestep auto' and for the report.
+// The stable step is computed twice on different blocks of points: for 'timestep auto' and for the report.
 constexpr double kRounding = 1.0 + 1e-9;
 
 std::string shares_of(const SeparatingSurface& s) {
@@ -36,7 +36,7 @@ std::string shares_of(const SeparatingSurface& s) {
                  " % at the second, ", 100.0 * s.inside / all, " % inside");
 }
 
-// Returns the number of links that let go.
+// Returns the number of debonded links.
 double links_debonded(const BondState& bond) {
   static const BondColumn column =
       *std::find_if(bond_columns().begin(), bond_columns().end(), [](const BondColumn& c) { return c.name == std::string("debonded"); });
@@ -80,14 +80,14 @@ const std::vector<BondState>& CementReport::loads(Cement& c) {
 }
 
 namespace {
-// Text for cement that is quasistatic, else nothing.
+// Returns the text with mass scaling or relative damping, else nothing.
 std::string if_quasistatic(const CementOptions& o, const std::string& text) {
   if (o.mass_scale > 1.0 || o.relax > 0.0) return text;
   return {};
 }
 
-// Collective. Returns the number of points that failed without a damage that tells the direction of their crack, as those
-// of a file may.
+// Collective. Returns the number of failed points without a damage that gives the direction of their crack, as a file
+// may have them.
 bigint failed_without_damage(MPI_Comm world, Cement& c) {
   bigint mine = 0, all;
   for (const Bond& bond : c.bonds())
@@ -178,8 +178,8 @@ void CementReport::stop_if_too_long(Cement& c, double limit) const {
                      "or a larger cell"));
 }
 
-// Tells where the damping limits the step, and not the cell. Uses the eigenvalue itself, since with the bound more
-// damping would seem to do. Collective.
+// Collective. Warns or stops where the damping limits the stable step. Uses the eigenvalue itself, since its bound
+// would seem to admit more damping.
 void CementReport::damping(Cement& c) {
   const CementOptions& o = c.options();
   const EigenvalueEstimate e = c.stable_step().eigenvalue();
@@ -196,11 +196,11 @@ void CementReport::damping(Cement& c) {
   if (!reported_ && damped.step < 0.5 * damped.undamped) mpdem::warn(lmp_, who_ + text);
 }
 
-// Warns of numbers that do not go together, such as moduli in GPa and strengths in Pa.
+// Warns of inconsistent numbers, such as moduli in GPa and strengths in Pa.
 void CementReport::warn(Cement& c) const {
   const Law& law = c.law();
   if (law.inert()) return;
-  double wide = 0.0;  // width of a disc that has the attached area
+  double wide = 0.0;  // diameter of a disc with the attached area
   for (const BondRecord& b : c.bonds().table)
     for (double area : b.attached_area) wide = std::max(wide, 2.0 * std::sqrt(area / M_PI));
   const double length = c.options().length;
@@ -242,7 +242,7 @@ void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
   if (!c.penalty()) return;
   const std::vector<BondRecord>& table = c.bonds().table;
   const std::vector<double> of_ends = c.report().added_mass_of_sides();
-  double mass[2] = {0.0, c.report().cement_mass()};  // mass of the grains and, with its inertia, of the cement
+  double mass[2] = {0.0, c.report().cement_mass()};  // mass of the grains, and of the cement with mass scaling
   for (int i = 0; i < lmp_->atom->nlocal; ++i)
     if (!avec.is_point(i)) mass[0] += lmp_->atom->rmass[i];
   MPI_Allreduce(MPI_IN_PLACE, mass, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
@@ -271,7 +271,7 @@ void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
 }
 
 namespace {
-// Collective. Returns text on a bonded grain whose integrator limits its way in a step, or an empty text.
+// Collective. Returns text on a bonded grain whose integrator limits its displacement in a step, or an empty text.
 std::string limited_grain(LAMMPS* lmp, Cement& c) {
   std::string found;
   for (int k = 0; k < lmp->modify->nfix; ++k) {
@@ -352,7 +352,7 @@ void CementReport::modes(Cement& c) {
   const std::vector<Cracks::Ahead> ahead = c.cracks_ahead(holding);
   if (lmp_->comm->me != 0) return;
   auto of_next = ahead.begin();
-  bool shares_nodes = false;  // does a bond hold by less than half of a section whose crack has no nodes of its own?
+  bool shares_nodes = false;  // has a bond lost more than half of a section whose crack has no phantom nodes?
   for (std::size_t b = 0; b < told.size(); ++b) {
     if (!told[b]) continue;
     std::string text = text_of(who_, "bond ", b + 1, " of grains ", table[b].grain[0], " and ", table[b].grain[1], ": ", cracks.mode(b),
@@ -387,7 +387,7 @@ void CementReport::modes(Cement& c) {
 // Does the report at the end of a run have a line for this bond?
 bool CementReport::is_told(const BondState& bond) { return bond.failed != 0.0 || bond.separated != 0.0 || links_debonded(bond) != 0.0; }
 
-// Tells a sum of modes where not every bond has a line.
+// Prints the number of bonds of each failure mode, where not every bond has a line.
 void CementReport::sum_of_modes(const Cement& c, int lines) const {
   std::map<std::string, int> count;
   int damaged = 0;
@@ -407,8 +407,9 @@ void CementReport::sum_of_modes(const Cement& c, int lines) const {
   tell(lmp_, text + "\n");
 }
 
-// Returns the smallest jump that matters. The wave that it sends through the cement has a stress of 1 % of the
-// strength, or without damage a strain of 1e-6. watch_jumps() also asks that the jump is no small part of the velocity.
+// Returns the smallest jump of velocity that is reported. The wave that it sends through the cement has a stress of 1 %
+// of the strength, or without damage a strain of 1e-6. watch_jumps() also ignores jumps that are a small share of the
+// velocity.
 double CementReport::limit_of_jumps(const Cement& c) const {
   const Law& law = c.law();
   const VtiConstants& e = law.elasticity().constants;
@@ -460,7 +461,7 @@ void CementReport::end_run(Cement& c) {
   in_run_ = false;
 }
 
-// The steps are timed alone. What is done before them may take as long as hundreds of steps.
+// Times the steps only. The set-up may take as long as hundreds of steps.
 void CementReport::start_timing(Cement& c) {
   steps_timed_ = 0;
   c.timer().clear();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Tells on screen and in the log what fix mpm reports, and keeps sums and rows of the bonds as they are at a step.
+// Prints what fix mpm reports on screen and in the log, and caches totals and states of the bonds of a step.
 #ifndef MPDEM_STYLES_FIXES_CEMENT_REPORT_H
 #define MPDEM_STYLES_FIXES_CEMENT_REPORT_H
 
@@ -22,34 +22,34 @@ class CementReport {
   // who: name of the command.
   CementReport(LAMMPS_NS::LAMMPS* lmp, std::string who) : lmp_(lmp), who_(std::move(who)) {}
 
-  // Collective. Return totals and states of bonds at the present step. They are found once a step, unless forgotten
-  // since.
+  // Collective. Return totals and states of bonds at the present step. They are computed once a step, unless forget()
+  // was called since.
   const CementTotals& totals(Cement& c);
-  // Does the same, with the unbalanced force. It is found within a run alone, see ContactForces. Between runs it is that of the end of
-  // the last one.
+  // The same, with the unbalanced force. This is computed within a run only (ContactForces); between runs it is that of
+  // the end of the last one.
   const CementTotals& totals_with_contacts(Cement& c);
   const std::vector<BondState>& bonds(Cement& c);
-  const std::vector<BondState>& loads(Cement& c);  // leaves out columns that need points
+  const std::vector<BondState>& loads(Cement& c);  // without the columns that need points
   void forget() { totals_at_ = bonds_at_ = loads_at_ = unbalanced_at_ = -1; }
 
   // All functions below are collective.
   void start_run(Cement& c);
-  void enter_steps() { in_run_ = true; }  // not collective; a run that was not prepared has no other start
+  void enter_steps() { in_run_ = true; }  // not collective; for a run without a set-up
   void end_run(Cement& c);
-  void start_timing(Cement& c);  // call at the end of the set-up of a run
-  // Tells what the parameters imply, once. Stops if the time step is not stable.
+  void start_timing(Cement& c);  // call it at the end of the set-up of a run
+  // Prints what the parameters imply, once. Stops if the time step is not stable.
   void parameters(Cement& c, bigint points);
-  // Stops if the time step is not above 0 or not stable.
+  // Stops if the time step is not positive or not stable.
   void check_step(Cement& c);
-  // Tells the last lines of parameters(). The added mass depends on the eigenvalue, which is found for the other lines.
+  // Prints the last lines of parameters(). The added mass depends on the eigenvalue, which parameters() computes.
   void added_mass(Cement& c, const LAMMPS_NS::AtomVecMpdem& avec);
-  // Warns of cement that starts with another velocity than its grains, so that a wave runs through it.
+  // Warns of cement whose initial velocity differs from that of its grains, which sends a stress wave through it.
   void start(Cement& c);
-  // Warns of the first jump of the lowest rank that saw one, once in a run.
+  // Warns of the first jump of a prescribed velocity on the lowest rank that saw one, once in a run.
   void jump(Cement& c);
-  // Tells where the time of the run went, by the slowest rank for each phase.
+  // Prints the time spent in each phase of the run, by the slowest rank for each phase.
   void times(Cement& c, bigint points);
-  // Tells one line for each bond, at the end of a run in which points have failed.
+  // Prints one line for each bond with failed points, debonded links or a separation, at the end of a run.
   void modes(Cement& c);
 
  private:
@@ -65,11 +65,11 @@ class CementReport {
   LAMMPS_NS::LAMMPS* lmp_;
   std::string who_;
   bool reported_ = false, jump_told_ = false, split_told_ = false, accelerations_told_ = false;
-  bigint steps_timed_ = 0;  // steps of the runs since the last one that was set up
+  bigint steps_timed_ = 0;  // steps of all runs since the last set-up
   CementTotals totals_{};
   const std::vector<BondState>* bonds_ = nullptr;
   bigint totals_at_ = -1, bonds_at_ = -1, loads_at_ = -1, unbalanced_at_ = -1;
-  std::unique_ptr<ContactForces> contacts_;  // made when they are asked for
+  std::unique_ptr<ContactForces> contacts_;  // made when first needed
   double unbalanced_ = 0.0;
   bool in_run_ = false;
 };

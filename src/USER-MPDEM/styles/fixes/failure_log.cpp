@@ -25,8 +25,8 @@ FailureLog::Event FailureLog::event_at(const PointStore& points, int row, const 
   e.point = points.tag(slot);
   e.bond = row + 1;
 
-  // Coordinates are polar about the line of centres, from the middle of the gap. The angle counts from the axis of the box that is most across that
-  // line.
+  // Coordinates are polar about the line of centres, from the middle of the gap. The angle is measured from the axis of
+  // the box that is closest to perpendicular to that line.
   const Mat3<double> axes = axes_of(record);
   double between[3], distance = 0.0, position[3];
   for (int d = 0; d < 3; ++d) {

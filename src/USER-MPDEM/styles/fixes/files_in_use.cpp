@@ -32,8 +32,8 @@ bool is_stream(const std::string& name, std::FILE* stream) {
   return stream && stat(name.c_str(), &a) == 0 && fstat(fileno(stream), &b) == 0 && same(a, b);
 }
 
-// Returns how many streams of this program may write to the file. Fixes of LIGGGHTS such as ave/time and print hold
-// their files open and tell nobody.
+// Returns how many streams of this program may write to the file. Fixes of LIGGGHTS such as ave/time and print have
+// files open that cannot be queried.
 int writing_streams(const std::string& name) {
   struct stat file, of;
   DIR* open_files = stat(name.c_str(), &file) == 0 ? opendir("/proc/self/fd") : nullptr;
@@ -54,7 +54,7 @@ int writing_streams(const std::string& name) {
 bool same_file(const std::string& a, const std::string& b) {
   struct stat of_a, of_b;
   if (stat(a.c_str(), &of_a) == 0 && stat(b.c_str(), &of_b) == 0) return same(of_a, of_b);
-  // one of them is not there yet, so only names that lead to the same place are the same file
+  // one of them does not exist yet, so the paths are compared
   std::error_code code;
   const std::filesystem::path there = std::filesystem::weakly_canonical(std::filesystem::absolute(a, code), code);
   return !code && there == std::filesystem::weakly_canonical(std::filesystem::absolute(b, code), code) && !code;

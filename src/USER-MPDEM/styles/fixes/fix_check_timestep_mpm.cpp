@@ -33,8 +33,8 @@ FixCheckTimestepMpm::FixCheckTimestepMpm(LAMMPS* lmp, int narg, char** arg) : Fi
 
 namespace {
 
-// Collective. A number that changes if grains become free or prescribed, or lighter or heavier. Rounding differs with the ranks
-// that grains are on, so the sum is of whole numbers.
+// Collective. Returns a checksum that changes if grains become free or prescribed, or their inertia changes. It is a
+// sum of integers, since rounding would depend on the ranks of the grains.
 double mark_of_free_grains(const std::vector<mpdem::Grain>& grains, MPI_Comm world) {
   std::uint64_t mine = 0, sum;
   for (const mpdem::Grain& g : grains)
@@ -61,7 +61,7 @@ void FixCheckTimestepMpm::init() {
                                  "before and name its ID here"));
 }
 
-// Damage softens bonds, so a step that was stable once stays so, until there are other bonds, sub-steps or free grains.
+// Damage softens bonds, so the limit by grains remains valid until there are other bonds, sub-steps or free grains.
 void FixCheckTimestepMpm::setup(int) {
   const std::array<double, 3> scene = {static_cast<double>(cement_->cement()->bonds.table.size()), static_cast<double>(cement_->substeps()),
                                        mark_of_free_grains(cement_->engine().grains().grains, world)};

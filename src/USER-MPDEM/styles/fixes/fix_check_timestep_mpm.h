@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// fix check/timestep/mpm: compares the time step with the largest stable one of the cement every
-// N steps and warns or stops. See doc/fix_check_timestep_mpm.md.
+// fix check/timestep/mpm: compares the time step with the largest stable one of the cement every N steps, and warns or
+// stops. See doc/fix_check_timestep_mpm.md.
 #ifdef FIX_CLASS
 
 FixStyle(check / timestep / mpm, FixCheckTimestepMpm)
@@ -35,8 +35,8 @@ class FixCheckTimestepMpm : public Fix {
   double fraction_ = 0.0;
   bool stop_ = false;
   double limit_ = 0.0, share_ = 0.0;
-  double of_grains_ = 0.0;                   // limit by grains on their bonds, found in the scene_
-  std::array<double, 3> scene_ = {0, 0, 0};  // number of bonds and of sub-steps, and a number that changes with the inertia of free grains
+  double of_grains_ = 0.0;                   // limit by grains on their bonds, found for scene_
+  std::array<double, 3> scene_ = {0, 0, 0};  // number of bonds, number of sub-steps, checksum of the inertia of free grains
 };
 
 }  // namespace LAMMPS_NS

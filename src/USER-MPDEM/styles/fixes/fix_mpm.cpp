@@ -34,7 +34,7 @@ using mpdem::text_of;
 using namespace FixConst;
 
 namespace {
-constexpr int kReportEvery = 5;  // steps between reports of grains that are lost or jump
+constexpr int kReportEvery = 5;  // steps between checks for grains that are lost or jump
 }  // namespace
 
 FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg)
@@ -46,8 +46,7 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg)
   scalar_flag = vector_flag = 1;
   size_vector = static_cast<int>(mpdem::cement_values().size());
   global_freq = 1;
-  extscalar = extvector =
-      0;  // atoms are grains and points, and their number has no meaning for cement; `thermo_modify norm yes` divides by it
+  extscalar = extvector = 0;  // intensive, since `thermo_modify norm yes` would divide by the number of grains and points
   mpdem::Arguments args(lmp, text_of("fix mpm (id ", id, ")"), narg, arg, 3);
   if (!avec_) args.complain(text_of("atom style '", atom->atom_style, "' cannot hold material points; use 'atom_style mpdem'"));
   const mpdem::ParsedOptions words = mpdem::parse_cement_words(args);
@@ -65,7 +64,7 @@ FixMpm::~FixMpm() {
   if (avec_) avec_->forget_nodes();
 }
 
-// LIGGGHTS prepares the next run then, also with `pre no`, and so the atom style finds that its cement has no fix.
+// Makes LIGGGHTS set up the next run, also with `pre no`, so that the atom style finds that its cement has no fix.
 void FixMpm::pre_delete(bool by_script) {
   if (by_script) update->first_update = 0;
 }
@@ -90,8 +89,9 @@ int FixMpm::setmask() {
          FINAL_INTEGRATE | END_OF_STEP | POST_RUN;
 }
 
-// Commands between runs call this too, and what grains have of the last step is gone then. So LIGGGHTS has to prepare the next run,
-// also with `pre no`: setup() says that this is done. It does not prepare the parts of a run with `every`, see check_unprepared().
+// Commands between runs call this too, and it loses the state of the grains at the last step. So LIGGGHTS has to set up
+// the next run, also with `pre no`, until setup() sets the flag again. It does not set up the intervals of a run with
+// `every`, see check_unprepared().
 void FixMpm::init() {
   update->first_update = 0;
   const mpdem::CementOptions& o = cement_->options();
@@ -102,18 +102,18 @@ void FixMpm::init() {
   mpdem::check_host(mpdem::kInit, view);
   take_density(view);
   mpdem::check_axis(lmp, who(), table, o);
-  guarded([this] { cement_->read_point_states(); });  // cement from a file may come damaged
+  guarded([this] { cement_->read_point_states(); });  // cement from a file may have damage
   mpdem::check_cell(lmp, who(), table, o.cell);
   avec_->apart = true;
   const std::string trouble = ranks_.take(o.balance);
   if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
   gravities_ = mpdem::gravities(view);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
-  cement_->set_most_bytes(0.5 * memory_limit_);  // points, and what LIGGGHTS has, come on top
+  cement_->set_most_bytes(0.5 * memory_limit_);  // the other half is for points and LIGGGHTS
   std::vector<mpdem::SceneWords> made;
   add_film(made);
   refuse(who(), made);
-  cement_->couple(nullptr);  // fix mpm/couple speaks up in its own init
+  cement_->couple(nullptr);  // fix mpm/couple registers in its own init
   coupling_.forget();
   atoms_.find(*avec_, cement_->grains());
   mpdem::check_only_writer(lmp, who(), "events", events_name(), this);
@@ -127,7 +127,7 @@ int FixMpm::modify_param(int narg, char** arg) {
   return 2;
 }
 
-// Makes points of bonds that have none yet and ask for them, or cannot do without in this run.
+// Makes the points of bonds that have none yet and request them, or need them in this run.
 void FixMpm::make_points_of_run() {
   bool coupled = false;
   for (int i = 0; i < modify->nfix; ++i) coupled = coupled || std::string(modify->fix[i]->style) == "mpm/couple";
@@ -150,7 +150,7 @@ void FixMpm::make_points(const std::vector<int>& rows) {
   cement_->points_were_made(rows);
 }
 
-// Is there a fix mpm/couple? It speaks up in its own init, after this one's.
+// Is there a fix mpm/couple? It registers in its own init, after this one's.
 bool FixMpm::coupling_follows() {
   for (int i = 0; i < modify->nfix; ++i)
     if (std::string(modify->fix[i]->style) == "mpm/couple") return true;
@@ -182,14 +182,14 @@ void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p
   set_time_step(coupling);
 }
 
-// Stops if words of this fix and others exclude each other. from_here: is it this fix that complains?
+// Stops if options of this fix and others exclude each other. from_here: does this fix report it?
 void FixMpm::refuse(const std::string& who, std::vector<mpdem::SceneWords> others, bool from_here) {
   for (const mpdem::SceneWords& w : words_) others.push_back({w.words, from_here ? "" : text_of("fix mpm (id ", id, ")")});
   const std::string trouble = mpdem::words_that_exclude(others);
   if (!trouble.empty()) mpdem::stop_all(lmp, who + trouble);
 }
 
-// Collective. Adds the word of the first bond with a film, if there is one.
+// Collective. Adds the option of the first bond with a film, if there is one.
 void FixMpm::add_film(std::vector<mpdem::SceneWords>& words) {
   const std::vector<mpdem::BondRecord>& table = avec_->bonds.table;
   int mine = INT_MAX, first;
@@ -223,7 +223,7 @@ void FixMpm::check_positions() {
   mpdem::check_host(mpdem::kShown, view);
 }
 
-// With `run ... pre no` LIGGGHTS goes on as the last run ended. Nothing may have changed since.
+// With `run ... pre no` LIGGGHTS continues from the end of the last run. Nothing may have changed since.
 void FixMpm::check_unprepared() {
   mpdem::HostView view = host();
   view.who = "run ... pre no: ";
@@ -237,8 +237,8 @@ void FixMpm::take_density(const mpdem::HostView& view) {
   if (density.low <= density.high) guarded([&] { cement_->set_density(density.low); });
 }
 
-// Call before LIGGGHTS exchanges atoms, when it has their true places. for_run: the exchange is for a run, and not for
-// write_restart.
+// Call it before LIGGGHTS exchanges atoms, while true positions are shown. for_run: the exchange is for a run, and not
+// for write_restart.
 void FixMpm::show_homes(bool for_run) {
   if (ranks_.show_homes(*avec_, for_run)) next_reneighbor = update->ntimestep + 1;
 }
@@ -254,7 +254,7 @@ void FixMpm::setup(int) {
   update->first_update = 1;
   avec_->last_run.begin(*modify, avec_->bonds.table.size());
   hidden_.start(this);
-  mpdem::exchange_last(modify, this);  // fixes before it may delete grains, or insert some
+  mpdem::exchange_last(modify, this);  // earlier fixes may delete or insert grains
   ranks_.start_run(this);
   report_->start_run(*cement_);
   guarded([this] { report_->parameters(*cement_, mpdem::points_made(*avec_)); });
@@ -291,7 +291,7 @@ void FixMpm::initial_integrate(int) { hidden_.show(); }
 void FixMpm::pre_final_integrate() { hidden_.hide(); }
 void FixMpm::final_integrate() { hidden_.show(); }
 
-// Finds the orientation of bonded grains, since LIGGGHTS' integrators for spheres keep omega only.
+// Updates the orientation of bonded grains, since LIGGGHTS' integrators for spheres keep omega only.
 void FixMpm::post_integrate() {
   atoms_.read(cement_->grains());
   const auto moved = [this] { guarded([this] { cement_->grains_moved(); }); };
@@ -307,8 +307,8 @@ void FixMpm::pre_exchange() {
   atoms_.report_trouble();
   fill_atoms();
   let_leave((update->ntimestep - 1) % cement_->options().check_every == 0);
-  // new points take the places of ghosts; LIGGGHTS has called the fix that keeps the history of contacts by these
-  // places before all other fixes
+  // new points take the indices of ghosts; LIGGGHTS has already called the fix that saves the history of contacts,
+  // which refers to these indices
   const std::vector<int> rows = cement_->rows_that_want_points();
   if (!rows.empty()) make_points(rows);
   show_homes(true);
@@ -317,7 +317,7 @@ void FixMpm::pre_exchange() {
 
 void FixMpm::pre_neighbor() {
   cement_->timer().start(mpdem::StepTimer::kLayout);
-  avec_->clear_loads_of_points();  // points are at other places of LIGGGHTS' lists now
+  avec_->clear_loads_of_points();  // points have other indices in LIGGGHTS' lists now
   mpdem::check_host(mpdem::kExchanged, host());
   atoms_.find(*avec_, cement_->grains());
   atoms_.read(cement_->grains());
@@ -327,7 +327,7 @@ void FixMpm::pre_neighbor() {
 }
 
 void FixMpm::post_force(int) {
-  report_->forget();  // reports that were asked for earlier in this step are those of the last step
+  report_->forget();  // values requested earlier in this step are those of the last step
   atoms_.follow(cement_->grains(), cell(), step_input().dt);
   atoms_.read(cement_->grains());
   guarded([this] { cement_->step(); });
@@ -345,7 +345,7 @@ void FixMpm::end_of_step() {
   guarded([this] { cement_->end_step(); });
   atoms_.write_forces(cement_->grains());
   if (output_due || check_due || first) report_->jump(*cement_);
-  report_->forget();  // reports asked for earlier do not have the work of this step
+  report_->forget();  // values requested earlier lack the work of this step
   if (check_due) write_events();
   if (check_due) watch_->check(*cement_);
   if (check_due || output_due || first) check_state();
@@ -377,7 +377,7 @@ void FixMpm::post_run() {
   ranks_.tell(who(), *avec_);
 }
 
-// Velocities lie half an old step behind. The next step takes up the new one.
+// Velocities are half an old step behind. The next step uses the new one.
 void FixMpm::reset_dt() {
   guarded([this] {
     if (!cement_->built()) return;
@@ -439,8 +439,8 @@ void FixMpm::fill_atoms() {
   ranks_.true_places_shown();
 }
 
-// Cement that is attached must not be beyond a side of the box. What is loose leaves in the step after a check, so that it does not
-// matter where a run is divided.
+// Attached cement must not be beyond a face of the box. Fragments leave in the step after a check, so that results do
+// not depend on where a run is divided.
 void FixMpm::watch_outside() {
   if (!leaving_.some_are_outside()) return;
   if (update->ntimestep % cement_->options().check_every == 0) next_reneighbor = update->ntimestep + 1;
@@ -449,7 +449,7 @@ void FixMpm::watch_outside() {
   });
 }
 
-// Call before LIGGGHTS exchanges atoms, when points are shown.
+// Call it before LIGGGHTS exchanges atoms, while true positions are shown.
 void FixMpm::let_leave(bool points_too) {
   if (!cement_->built()) return;
   const std::optional<mpdem::Departing> departing = leaving_.find(*avec_, points_too);
@@ -473,7 +473,7 @@ double FixMpm::compute_vector(int n) {
   return value.of ? value.of(value.of_contacts ? totals_with_contacts() : totals()) : substeps();
 }
 
-// The atom style holds the bonds that wait, and tells the memory that they take.
+// Stiffness of condensed bonds. The atom style counts the memory of the bonds themselves.
 double FixMpm::memory_usage() { return static_cast<double>(cement_->report().memory_of_condensed()); }
 
 }  // namespace LAMMPS_NS

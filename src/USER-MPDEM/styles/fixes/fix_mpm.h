@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// fix mpm: the cement as a continuum on a background grid. doc/fix_mpm.md has the words and the output. This class is
-// the host of the engine in cement/. It has the hooks of LIGGGHTS, checks of the scene, and the exchange with atoms.
+// fix mpm: the cement as a continuum on a background grid. Keywords and output are in doc/fix_mpm.md. This class is the
+// host of the engine in cement/: it has the hooks of LIGGGHTS, checks the scene, and exchanges data with atoms.
 // LIGGGHTS' own fixes move the grains.
 #ifdef FIX_CLASS
 
@@ -66,9 +66,9 @@ class FixMpm : public Fix, private mpdem::CementHost {
   double compute_vector(int n) override;
   double memory_usage() override;
 
-  // Has some cement made a step, in this run, in one before or in that of a restart file?
+  // Has any cement made a step, in this run, in an earlier one or before the restart file?
   bool in_motion() const;
-  // Name of the file of the events, or empty.
+  // Name of the file of events, or empty.
   const std::string& events_name() const { return failures_.file(); }
   bool events_open() const { return failures_.is_open(); }
 
@@ -80,25 +80,24 @@ class FixMpm : public Fix, private mpdem::CementHost {
   // Returns `intact`, `debonding`, `internal` or `mixed`.
   std::string failure_mode(int row) const { return cement_->cracks().mode(static_cast<std::size_t>(row)); }
 
-  // Takes the coupling that fix mpm/couple hands over. There may be one at most.
-  // said: its words.
+  // Sets the coupling of fix mpm/couple. There may be one at most. said: its keywords and values.
   void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p, const std::vector<std::string>& said);
 
   const mpdem::Law& law() const { return cement_->law(); }
   mpdem::Cement& engine() const { return *cement_; }
-  // Did fix_modify ask for points that are yet to be made?
+  // Did fix_modify ask for points that are not made yet?
   bool wants_points() const;
   double cell() const { return cement_->options().cell; }
   const mpdem::CementOptions& options() const { return cement_->options(); }
   AtomVecMpdem* cement() const { return avec_; }
-  // Brings slots of atoms and strains of points up to date. Slots fall behind while points change cells, strains while
-  // bonds are condensed. Call before they are read.
+  // Updates the slots of atoms and the strains of points. Slots are outdated while points change cells, strains while
+  // bonds are condensed. Call it before either is read.
   void show_points();
-  // Collective. Stable step of LIGGGHTS, with as many sub-steps as now.
+  // Collective. Stable step of LIGGGHTS with the present number of sub-steps. of_grains: of grains on their bonds only.
   double stable_step(bool of_grains = false);
   // Number of sub-steps of the cement in a step of LIGGGHTS.
   int substeps() const { return step_->substeps(options()); }
-  // Collective. Call after init() of all fixes. Needs a coupling. A run need not have begun.
+  // Collective. Call it after init() of all fixes. Needs a coupling, but no run.
   std::vector<mpdem::StiffnessOfBond> stiffness_of_bonds();
   bool is_coupled() const { return cement_->penalty().has_value(); }
 
@@ -138,18 +137,18 @@ class FixMpm : public Fix, private mpdem::CementHost {
   std::unique_ptr<mpdem::AutoStep> step_;
   mpdem::BondedAtoms atoms_;
   mpdem::FailureLog failures_;
-  std::vector<mpdem::SceneWords> words_;  // of the script
+  std::vector<mpdem::SceneWords> words_;  // keywords of the script
   mpdem::CouplingHistory coupling_;
   mpdem::HiddenPoints hidden_;
   mpdem::PointRanks ranks_;
   mpdem::LeavingAtoms leaving_;
-  std::vector<class FixGravity*> gravities_;  // fixes whose gravity acts on the points too
-  bool prepared_ = false;                     // true if the run that begins was prepared, as by default; false with `pre no`
-  bool all_points_ = false;                   // points of all bonds are made when a run starts
+  std::vector<class FixGravity*> gravities_;  // fixes whose gravity acts on the cement too
+  bool prepared_ = false;                     // was the run that begins set up (default), or not (`pre no`)?
+  bool all_points_ = false;                   // make the points of all bonds when a run starts
   double memory_limit_ = 0.0;                 // memory of a rank, bytes
 };
 
-// Calls the engine. Its complaints end the run in the name of this fix.
+// Calls the engine. Its errors end the run in the name of this fix.
 template <class F>
 void FixMpm::guarded(F f) {
   cement_->set_step(step_input());

@@ -31,8 +31,9 @@ namespace {
 // Penalty of `kn auto`. The bond is 1 % softer than a perfect one at ten cells across, at no cost in time step
 // (doc/fix_mpm_couple.md).
 constexpr double kAutoOverC33 = 200.0;
-// Contact of places that let go is not stiffer than this over one cell. Links are stiffer, since the stiffness of the bond
-// is theirs. Contact has to do with little added mass, so that impacts take little energy (PenaltyParameters::most_contact).
+// Stiffness of contact points is at most this over one cell. Links are stiffer, since the stiffness of the bond depends
+// on them. Contact should need little added mass, so that impacts dissipate little energy
+// (PenaltyParameters::most_contact).
 constexpr double kContactOverC33 = 5.0;
 constexpr double kMostFriction = 100.0;  // with more, rounding of the pressure would be a force
 
@@ -92,18 +93,18 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
 
 std::string FixMpmCouple::listed_words() { return mpdem::listed("fix mpm/couple", keywords()); }
 
-// A name with [1] has to be taken before there are bonds.
+// Scripts refer to row [1] before there are bonds.
 void FixMpmCouple::count_bonds() { size_array_rows = std::max<int>(1, static_cast<int>(AtomVecMpdem::of(lmp)->bonds.table.size())); }
 
 FixMpm* FixMpmCouple::find_cement() const {
   for (int i = 0; i < modify->nfix; ++i) {
     Fix* fix = modify->fix[i];
-    if (fix && cement_id_ == fix->id) return dynamic_cast<FixMpm*>(fix);  // LIGGGHTS has a null pointer for a fix that is being replaced
+    if (fix && cement_id_ == fix->id) return dynamic_cast<FixMpm*>(fix);  // null for a fix that is being replaced
   }
   return nullptr;
 }
 
-// Looks for the fix anew, since fixes may come and go between runs.
+// Finds the fix again, since fixes may come and go between runs.
 void FixMpmCouple::take_cement() {
   cement_ = find_cement();
   if (!cement_) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): fix mpm '", cement_id_, "' is gone; unfix this one too"));
@@ -139,7 +140,7 @@ void FixMpmCouple::init() {
   open_table();
 }
 
-// Warns if cells do not resolve the length over which an interface with a strength and an energy softens.
+// Warns if cells do not resolve the length over which an interface with strength and fracture energy softens.
 void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
   if (length_told_ || comm->me != 0) return;
   length_told_ = true;
@@ -155,7 +156,7 @@ void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
           "fix mpm/couple");
 }
 
-// Links must not turn the rounding of positions into a stress that counts beside the stresses of the cement.
+// Stops if the stiffness turns the rounding of positions into a stress that matters next to those of the cement.
 void FixMpmCouple::check_rounding(const char* keyword, double given, double per_length) const {
   constexpr double kMostStrain = 1e-6;
   double far = 0.0;
@@ -174,8 +175,8 @@ void FixMpmCouple::check_rounding(const char* keyword, double given, double per_
                                ", so that the rounding of positions would load the bonds; ", cure));
 }
 
-// Rows of a run that went on before stay, whether in this program or in that of the restart file. The row of the last
-// step of all is one of them, since the set-up of this run has velocities of another time.
+// Rows of the runs that this one continues are kept, whether of this program or of that of the restart file. The row of
+// the last step is one of them, since the set-up of this run has velocities of another time.
 void FixMpmCouple::open_table() {
   if (words_.table_every == 0) return;
   const std::string who = text_of("fix mpm/couple (id ", id, "): ");
@@ -200,7 +201,7 @@ void FixMpmCouple::stop_if_not_written(const std::string& trouble) {
                                                     "; name another, or use a disk with free space"));
 }
 
-// Writes the first row of all, since no step ends with it.
+// Writes the first row, which belongs to no step.
 void FixMpmCouple::setup(int) { end_of_step(); }
 
 void FixMpmCouple::end_of_step() {
@@ -234,7 +235,7 @@ double FixMpmCouple::value(int bond_row, int column) {
   return c.value((c.needs_points() ? cement_->bonds() : cement_->loads())[bond_row]);
 }
 
-// Variables and thermo output may ask between runs, when fix mpm is gone or there is no cement.
+// Variables and thermo output may ask between runs, when there is no fix mpm or no cement.
 void FixMpmCouple::check_bond(int bond_row) {
   take_cement();
   const std::size_t bonds = cement_->cement()->bonds.table.size();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// fix mpm/couple: bonds the cement of a fix mpm to its grains by the penalty coupling of
-// coupling/penalty_links.h, and reports the bonds. See doc/fix_mpm_couple.md.
+// fix mpm/couple: bonds the cement of a fix mpm to its grains by the links of coupling/penalty_links.h, and reports the
+// bonds. See doc/fix_mpm_couple.md.
 #ifdef FIX_CLASS
 
 FixStyle(mpm / couple, FixMpmCouple)
@@ -26,7 +26,7 @@ struct CouplingWords {
     &traction_entries().front(), {}
   };
   double damping = 0.0;
-  double friction = -1.0;  // below 0: what let go touches nothing
+  double friction = -1.0;  // negative: debonded cement has no contact
   bool at_surface = true;
   int table_every = 0;
   std::string table_name;
@@ -40,7 +40,7 @@ class FixMpmCouple : public Fix {
  public:
   FixMpmCouple(LAMMPS* lmp, int narg, char** arg);
 
-  // Returns the keywords, a line each, see keywords.h.
+  // Returns the keywords, one a line, see keywords.h.
   static std::string listed_words();
 
   int setmask() override;
@@ -51,8 +51,8 @@ class FixMpmCouple : public Fix {
   double compute_vector(int n) override;
   double compute_array(int row, int column) override;
 
-  // Sets the number of rows of the array to that of the bonds. Call after bonds are made, since thermo output and fix
-  // ave/time look at it when they are defined.
+  // Sets the number of rows of the array to that of the bonds. Call it after bonds are made, since thermo output and
+  // fix ave/time read it when they are defined.
   void count_bonds();
   // Name of the file of the table, or empty.
   const std::string& table_name() const { return words_.table_name; }
@@ -72,7 +72,7 @@ class FixMpmCouple : public Fix {
   std::string cement_id_;
   FixMpm* cement_ = nullptr;
   mpdem::CouplingWords words_;
-  std::vector<std::string> said_;  // these as the script has them, see keywords.h
+  std::vector<std::string> said_;  // the same as text of the script, see keywords.h
   mpdem::TableFile table_;
   bool table_open_ = false, length_told_ = false;
   bigint table_last_ = -1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Reads and writes what fix mpm has in restart files.
+// Reads and writes the data of fix mpm in restart files.
 #include <malloc.h>
 
 #include <cstdio>
@@ -24,8 +24,8 @@ void FixMpm::write_restart(FILE* fp) {
                              "lose it; use 'run 0' before write_restart");
   if (ranks_.shows_homes()) fill_atoms();
   if (cement_->built())
-    check_state(false);  // a spoilt state must not take the place of a good file; LIGGGHTS has exchanged atoms, which loses forces
-  write_events();        // a run that goes on from the file does not tell of these events again
+    check_state(false);  // a corrupt state must not replace a good file; LIGGGHTS has exchanged atoms, which loses forces
+  write_events();        // a run that continues from the file does not report these events again
   mpdem::CementHead head;
   head.time = update->get_cur_time();
   step_->save(head);
@@ -50,7 +50,7 @@ void FixMpm::restart(char* buf) {
   const auto check = [&](const std::string& what) {
     if (!what.empty()) mpdem::stop_all(lmp, damaged(what));
   };
-  // LIGGGHTS does not tell how long its copy is.
+  // LIGGGHTS does not pass the length of its copy.
   const std::size_t numbers = malloc_usable_size(buf) / sizeof(double);
   const double* v = reinterpret_cast<const double*>(buf);
   check(numbers == 0 ? "there are none" : "");
@@ -70,11 +70,11 @@ void FixMpm::restart(char* buf) {
   std::vector<double> nodes;
   nodes.swap(avec_->restored_rows);
   guarded([&] { cement_->restore(head, in, nodes); });
-  mpdem::stop_if_any(lmp, damaged(in.trouble()));  // the nodes are those of this rank
+  mpdem::stop_if_any(lmp, damaged(in.trouble()));  // only the nodes differ between ranks
   const std::string others = cement_->other_words_than(head);
   if (!others.empty())
     mpdem::warn(lmp, text_of(who(), "the cement goes on with other words than in the steps before the restart file: ", others));
-  // LIGGGHTS' files do not have the time, and it would begin at 0 again.
+  // LIGGGHTS' files do not have the time, which would begin at 0 again.
   update->atime = head.time;
   update->atimestep = update->ntimestep;
   step_->restore(head);

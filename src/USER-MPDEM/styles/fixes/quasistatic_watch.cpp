@@ -41,7 +41,7 @@ double QuasistaticWatch::median_share() const {
   return *middle;
 }
 
-// Cement that breaks before it was looked at is judged after that.
+// Failure before the first check is judged with the share at that check.
 void QuasistaticWatch::check(Cement& c) {
   if (limit_ == 0.0 || told_ || lmp_->update->ntimestep == at_) return;
   const Report::EnergyShares now = c.report().energy_shares();

@@ -26,20 +26,20 @@ std::string TableFile::open(const std::string& name, const std::string& header, 
   }
   file_ = std::fopen(name.c_str(), goes_on ? "a" : "w");
   if (!file_) return name + ": " + std::strerror(errno);
-  std::setvbuf(file_, nullptr, _IONBF, 0);  // rows come whole, and what fails is known at once
+  std::setvbuf(file_, nullptr, _IONBF, 0);  // rows are written whole, and errors are known at once
   struct stat now {};
   length_ = fstat(fileno(file_), &now) == 0 ? now.st_size : 0;
   return goes_on ? "" : write(header + "\n");
 }
 
-// Cuts the file behind the last row that stays. Rows that stay are not written again, so a full disk cannot take them.
+// Truncates the file after the last row to keep. These rows are not written again, so a full disk cannot lose them.
 std::string TableFile::keep_rows(const std::string& header, double last_kept) {
   std::ifstream old(name_);
   std::string line;
   if (!std::getline(old, line) || line != header) return name_ + ": the file is there with other columns, and would be lost";
   const auto columns = std::count(header.begin(), header.end(), ',');
   std::uintmax_t end = header.size() + 1;
-  while (std::getline(old, line) && !old.eof()) {  // a line without an end of line is no whole row
+  while (std::getline(old, line) && !old.eof()) {  // a line without an end of line is incomplete
     char* rest;
     const long step = std::strtol(line.c_str(), &rest, 10);
     if (std::count(line.begin(), line.end(), ',') != columns || *rest != ',' || std::strtod(rest + 1, nullptr) > last_kept) break;
@@ -62,7 +62,7 @@ std::string TableFile::write(const std::string& rows) {
     return "";
   }
   const std::string trouble = name_ + ": " + std::strerror(errno);
-  // half a row would be read as a row; if this fails too, there is nothing left to do about it
+  // half a row would be read as a row; if this fails too, there is no remedy
   if (known && ftruncate(fileno(file_), before.st_size) == 0) std::clearerr(file_);
   return trouble;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// CSV file of one header, and rows that begin with step and time. Times ascend. Steps do not where they are reset. A run
-// that is continued continues its table too: rows up to a time stay. Nothing is lost in silence. Rows are written whole or not at all, and not behind what
-// somebody else wrote. Whoever writes is told why. Rank 0 writes; the others hold a closed file.
+// CSV file with a header line, and rows that begin with step and time. Times ascend; steps do not where they are reset.
+// A continued run continues its table: rows up to a given time are kept. Rows are written whole or not at all, and not
+// after foreign text. The caller gets every error as text. Rank 0 writes; on other ranks the file stays closed.
 #ifndef MPDEM_STYLES_FIXES_TABLE_FILE_H
 #define MPDEM_STYLES_FIXES_TABLE_FILE_H
 
@@ -22,13 +22,12 @@ class TableFile {
   ~TableFile() { close(); }
 
   static constexpr double kAnew = -1.0;
-  // Replaces a file that is there (kAnew), or keeps its rows up to the time last_kept. Returns what went wrong, or an
-  // empty text.
+  // Replaces an existing file (kAnew), or keeps its rows up to the time last_kept. Returns the error, or an empty text.
   std::string open(const std::string& name, const std::string& header, double last_kept);
-  // Step of the last row that stayed; -1: none did.
+  // Step of the last row that was kept; -1: none.
   long kept_to() const { return kept_to_; }
-  // Writes whole rows, with their ends of line. Returns what went wrong, or an empty text. If it failed, the file is as
-  // it was before.
+  // Writes whole rows, each with its end of line. Returns the error, or an empty text; after an error the file is as it
+  // was before.
   std::string write(const std::string& rows);
   void close();
 
@@ -37,7 +36,7 @@ class TableFile {
 
   std::string name_;
   std::FILE* file_ = nullptr;
-  off_t length_ = 0;  // length of the file, by what this object wrote and kept
+  off_t length_ = 0;  // length of the file by what this object wrote and kept, bytes
   long kept_to_ = -1;
 };
 

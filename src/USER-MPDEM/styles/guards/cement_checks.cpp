@@ -21,7 +21,7 @@ std::string axis_name(AxisRule rule, const double* direction) {
   return rule == AxisRule::bond ? "bond" : "radial";
 }
 
-// Checks the cell against the cement of each bond. Warnings name the worst of all.
+// Checks the cell against the cement of each bond. Warnings name the worst bond.
 void check_cell(LAMMPS* lmp, const std::string& who, const std::vector<BondRecord>& table, double cell) {
   double widest = 0.0, finest = 1e300;
   for (const BondRecord& b : table) {
@@ -52,7 +52,7 @@ void check_cell(LAMMPS* lmp, const std::string& who, const std::vector<BondRecor
                         0.5 * cell));
 }
 
-// Frames stay those of the first run, even if a fix that is defined again says something else.
+// Frames stay those of the first run, even if a new fix has another rule.
 void check_axis(LAMMPS* lmp, const std::string& who, const std::vector<BondRecord>& table, const CementOptions& o) {
   for (const BondRecord& b : table) {
     double along = 0.0;

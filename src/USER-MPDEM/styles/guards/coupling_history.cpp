@@ -12,7 +12,7 @@ namespace mpdem {
 
 namespace {
 
-// mu: below 0 for none.
+// mu: negative for none.
 std::string with_friction(double mu, const char* none) { return mu < 0.0 ? none : text_of("'friction ", mu, "'"); }
 
 }  // namespace
@@ -48,7 +48,7 @@ std::string CouplingHistory::take(const std::string& id, const std::string& ceme
   return "";
 }
 
-// Returns the words of the traction law of the steps so far, as a script has them.
+// Returns the options of the traction law of the earlier steps, as in a script.
 std::string CouplingHistory::words_so_far() const {
   const std::vector<TractionEntry>& entries = traction_entries();
   if (ran_.law < 1 || ran_.law > static_cast<int>(entries.size())) return text_of("number ", ran_.law, " of another program");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// How the cement of fix mpm is coupled, now and in the steps before. Links hold the places that grains and cement had
-// towards each other. After steps without links, or with other springs, they would load the bonds at a blow.
+// How the cement of fix mpm is coupled, now and in earlier steps. Links store the relative position of grain and
+// cement. After steps without links, or with other stiffness, the load of the bonds would jump.
 #ifndef MPDEM_STYLES_GUARDS_COUPLING_HISTORY_H
 #define MPDEM_STYLES_GUARDS_COUPLING_HISTORY_H
 
@@ -15,13 +15,13 @@ namespace mpdem {
 
 class CouplingHistory {
  public:
-  // Call at the start of a run, before couplings speak up.
+  // Call it at the start of a run, before couplings register.
   void forget() { id_.clear(); }
-  // Returns what is wrong with a coupling of this ID for the cement `cement`, or an empty text if it is taken.
+  // Registers a coupling of this ID for the cement `cement`. Returns why it cannot be used, or an empty text.
   std::string take(const std::string& id, const std::string& cement, double cell, const PenaltyParameters& p);
-  // Call in the first step of a run.
+  // Call it in the first step of a run.
   void remember(const PenaltyParameters* p);
-  // Returns true once: the user has to be told of cement without a coupling.
+  // Returns true once, when the user should be warned of cement without a coupling.
   bool warn_of_none() { return !warned_ && (warned_ = true); }
 
   const LinksSoFar& so_far() const { return ran_; }

@@ -31,7 +31,7 @@ using namespace LAMMPS_NS;
 namespace {
 
 using View = const HostView&;
-using Found = std::string;  // empty if all is well
+using Found = std::string;  // empty if nothing is wrong
 
 constexpr int kNeighborMulti = 2, kMinimize = 2;  // values of Neighbor::style and Update::whichflag
 
@@ -50,7 +50,8 @@ bool is(const Fix& fix, std::initializer_list<const char*> styles) {
 Found named(const Fix& fix) { return text_of("fix '", fix.id, "' (", fix.style, ")"); }
 Found group_of(View v, const Fix& fix) { return text_of("group '", v.lmp->group->names[fix.igroup], "'"); }
 bool has_cement(View v, const Fix& fix) { return &fix != v.mpm && (v.groups().some & fix.groupbit); }
-// Names cement whose points are in one of these groups, or in none of them: by its grains if the points are made later.
+// Names cement whose points are in one of these groups (`in`), or in none of them: by its grains if the points are made
+// later.
 std::string cement_in(View v, int groups, bool in, const std::string& else_what) {
   for (int row : v.cement->bonds.rows_without_points())
     if (((v.cement->bonds.pattern_of(row).head.mask & groups) != 0) == in) {
@@ -94,7 +95,8 @@ Found changed_box(View v, int) {
   return "";
 }
 
-// Points in these lists would take seconds to set up a scene of 50 000, and slow it down with their square.
+// With points in these lists a scene of 50 000 points would need seconds to set up, and time that grows with their
+// square.
 Found points_in_lists(View v, int) {
   const Atom& atom = atoms(v);
   if (!atom.firstgroupname) return "'atom_modify first' is not set,";
@@ -152,7 +154,7 @@ Found moved_new_point(View v, int i) {
                                                 : "";
 }
 
-// The state is in the points. Atoms only show it.
+// The state is in the points. Atoms only display it.
 Found moved_point(View v, int i) {
   const double way = 1e-9 * v.engine->options().cell,
                change = 1e-9 * v.engine->law().elasticity().fastest_wave(v.engine->density());  // of rounding
@@ -173,7 +175,7 @@ Found moved_grain(View v, int i) {
   bool far = false;
   for (int d = 0; d < 3; ++d) {
     moved[d] = x[d] - g->x[d];
-    // rounding that comes from wrapping into the box
+    // rounding by wrapping into the box
     const double rounding = 16 * std::numeric_limits<double>::epsilon() * (std::fabs(x[d]) + v.lmp->domain->prd[d]);
     far = far || std::fabs(moved[d]) > 1e-9 * v.engine->options().cell + rounding;
   }
@@ -199,7 +201,7 @@ Found not_finite(View v, int i) {
   return "";
 }
 
-// Fixes in whose group a bonded grain is, and for which the predicate holds.
+// Fixes in whose group a bonded grain is, and for which the predicate is true.
 template <class Holds>
 std::vector<const Fix*> fixes_on(View v, int i, Holds holds) {
   std::vector<const Fix*> found;
@@ -211,7 +213,7 @@ bool moves(const Fix& f) { return f.time_integrate != 0; }
 bool freezes(const Fix& f) { return is(f, {"freeze"}); }
 bool moves_by_forces(const Fix& f) { return moves(f) && !is(f, {"move", "nve/noforce"}); }
 
-// The first of them acts on the grain as `how` says.
+// Reports the first of them; `how`: what it does to the grain.
 template <class Holds>
 Found acts(View v, int i, const char* how, Holds holds) {
   const std::vector<const Fix*> found = fixes_on(v, i, holds);
@@ -238,7 +240,7 @@ Found held_in_motion(View v, int i) {
   return still || !fixes_on(v, i, moves).empty() ? "" : acts(v, i, "held with a velocity by", freezes);
 }
 
-// Addresses are of no use, since a fix may get that of the one it replaces.
+// Compares IDs, since a fix may have the address of the one that it replaces.
 Found changed_fixes(View v, int) {
   using Known = AtomVecMpdem::LastRun::Known;
   const std::vector<Known>& known = v.cement->last_run.fixes;
@@ -261,19 +263,19 @@ Found counted(const char* what, Number now, Number before, const char* when) {
   return now == before ? "" : text_of("there are ", now, " ", what, " and were ", before, when);
 }
 
-enum Over { kScene, kFixes, kAtoms, kGrains };  // where a row is looked for: once, in each fix, in each atom or grain of a rank
+enum Over { kScene, kFixes, kAtoms, kGrains };  // once, or for each fix, atom or grain of a rank
 
 struct Guard {
   unsigned when;
   const char *thing, *why, *cure;  // the message is WHAT WAS FOUND why; cure
   Over over;
-  Found (*found)(View, int);  // of the fix or atom of this number
+  Found (*found)(View, int);  // of the fix or atom of this index
   bool warns = false;
 };
 
 constexpr unsigned kRun = kInit | kUnprepared, kBegin = kRun | kCreation;
 
-// The table. A row may rely on those above it.
+// A row may rely on those above it.
 const Guard kGuards[] = {
     {kNoFix | kUnprepared, "`run … pre no` after a fix was defined or removed", "which LIGGGHTS would call in the place of another",
      "leave 'pre no' out", kScene, changed_fixes},
@@ -517,7 +519,7 @@ bigint points_made(const AtomVecMpdem& cement) {
 }
 
 Densities densities(const HostView& view) {
-  double ends[2] = {HUGE_VAL, HUGE_VAL};  // of the density and its negative
+  double ends[2] = {HUGE_VAL, HUGE_VAL};  // lowest density, and lowest negative density
   const auto add = [&](double density) { ends[0] = std::min(ends[0], density), ends[1] = std::min(ends[1], -density); };
   for (int i = 0; i < atoms(view).nlocal; ++i)
     if (is_point(view, i)) add(atoms(view).density[i]);

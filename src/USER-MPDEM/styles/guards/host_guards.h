@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Settings, commands and fixes of LIGGGHTS that would spoil cement without a word, and what comes of them: points and grains
-// that are gone, and values that are no numbers. LIGGGHTS lets these pass, since `thermo_modify lost` ignores and a run full
-// of NaN ends like any other. They are the table in host_guards.cpp: a row names the thing, when it is looked for, why it is
-// refused, the cure, and the function that finds it. doc/refused_settings.md has the same rows.
+// Settings, commands and fixes of LIGGGHTS that would silently corrupt the state of the cement, and their effects:
+// missing points and grains, and values that are not finite. LIGGGHTS lets these pass, since `thermo_modify lost`
+// ignores and a run full of NaN ends like any other. host_guards.cpp has a table of them. A row names the setting, when
+// it is checked, why it is refused, the cure, and the function that detects it. doc/refused_settings.md has the same
+// rows.
 #ifndef MPDEM_STYLES_GUARDS_HOST_GUARDS_H
 #define MPDEM_STYLES_GUARDS_HOST_GUARDS_H
 
@@ -24,7 +25,7 @@ namespace mpdem {
 
 class Cement;
 
-// When a row is looked at.
+// When a row is checked.
 enum When : unsigned {
   kCreation = 1,      // create_cement begins
   kPoints = 2,        // points are about to be made
@@ -32,14 +33,14 @@ enum When : unsigned {
   kCoupling = 8,      // init of fix mpm/couple
   kSteps = 16,        // the same, of a run that takes steps
   kStart = 32,        // set-up of a run, or its first step without a set-up
-  kShown = 64,        // points were shown anew in that
+  kShown = 64,        // atoms of points were updated in that
   kUnprepared = 128,  // first step of a run without a set-up
   kNoFix = 256,       // the same, where fix mpm may be gone
   kExchanged = 512,   // atoms went to other ranks
   kCheck = 1024       // every `check` steps, and before a restart file
 };
 
-// What the functions of the table look at.
+// What the functions of the table read.
 struct HostView {
   LAMMPS_NS::LAMMPS* lmp;
   std::string who;  // begins each message: "fix mpm (id cem): "
@@ -49,36 +50,36 @@ struct HostView {
   bool wants_points = false;
   const LAMMPS_NS::Fix* couple = nullptr;      // kCoupling, kSteps
   int new_type = 0;                            // kPoints: type of the points
-  bool may_leave = false;                      // deleted points are looked at later (leaving_atoms.h)
+  bool may_leave = false;                      // deleted points are checked later (leaving_atoms.h)
   bool forces_known = true;                    // kCheck
-  const std::vector<double>* shown = nullptr;  // kShown: motion_shown() before
+  const std::vector<double>* shown = nullptr;  // kShown: earlier motion_shown()
 
-  // Collective at its first call. Bits of the groups that have some cement, and all, with points that are made later.
+  // Collective at its first call. Bits of the groups that have some cement, and all of it, with points made later.
   struct Groups {
     int some, all;
   };
   const Groups& groups() const;
-  // Radius that the cement of grain `tag` was made for; 0 if the grain has none.
+  // Radius for which the cement of grain `tag` was made; 0 if the grain has none.
   double made_for(int tag) const;
 
-  // What these two found.
+  // Caches of these two.
   mutable std::optional<Groups> groups_ = std::nullopt;
   mutable std::unordered_map<int, double> radius_ = {};
 };
 
-// Collective. Looks at the rows of this time, and stops at the first that is found, or warns.
+// Collective. Checks the rows of this time. Stops at the first that applies, or warns.
 void check_host(unsigned when, const HostView& view);
 
-// Number of the points in the table of bonds, without those that are made later.
+// Number of points of all bonds, without those made later.
 LAMMPS_NS::bigint points_made(const LAMMPS_NS::AtomVecMpdem& cement);
-// Collective. Lowest and highest density of points; the lowest is above the highest if there are none.
+// Collective. Lowest and highest density of points. Without points the lowest is above the highest.
 struct Densities {
   double low, high;
 };
 Densities densities(const HostView& view);
-// Collective. Fixes of the gravity that acts on the cement as on the grains. Their sum is its gravity.
+// Collective. Fixes whose gravity acts on the cement. Their sum is its gravity.
 std::vector<LAMMPS_NS::FixGravity*> gravities(const HostView& view);
-// Positions and velocities of the atoms of this rank.
+// Positions and velocities of the atoms of this rank, 6 numbers each.
 std::vector<double> motion_shown(const LAMMPS_NS::Atom& atom);
 
 }  // namespace mpdem

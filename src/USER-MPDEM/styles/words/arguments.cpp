@@ -25,7 +25,7 @@ void warn(LAMMPS_NS::LAMMPS* lmp, const std::string& text, const char* style) {
 void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
   std::fflush(nullptr);
   lmp->error->all("USER-MPDEM", 0, text.c_str());
-  std::abort();  // not reached; Error::all does not say so
+  std::abort();  // not reached; Error::all is not declared so
 }
 
 void stop_one(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {

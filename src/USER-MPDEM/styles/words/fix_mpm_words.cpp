@@ -12,12 +12,12 @@
 namespace mpdem {
 
 namespace {
-// What is read, and needed for the law alone.
+// The parsed options, and values that only the law needs.
 struct WordsOfScript : ParsedOptions {
   bool tied_given = false, cracks_given = false, has_elastic = false;
   VtiConstants elastic;
   LawChoice damage{&law_entries().front(), {}};
-  double crack_band = 0.0, nonlocal_energy = 0.0;  // energies of a crack per area; 0: none
+  double crack_band = 0.0, nonlocal_energy = 0.0;  // fracture energies per area; 0: none
 };
 using ScriptKeyword = Keyword<WordsOfScript>;
 
@@ -121,7 +121,7 @@ void take_regularization(Arguments& args, const ScriptKeyword&, WordsOfScript& w
   }
 }
 
-// Gives the law the length and the energy of a crack.
+// Sets internal length and fracture energy of the law.
 void soften(const Arguments& args, const WordsOfScript& w, Law& law) {
   const CementOptions& o = w.options;
   std::string word = "'regularization crackband'";
@@ -129,11 +129,11 @@ void soften(const Arguments& args, const WordsOfScript& w, Law& law) {
     if (w.crack_band > 0.0) law.set_crack_energy(w.crack_band, o.cell);
     if (!o.advance.nonlocal) return;
     const double L = o.length;
-    // a length that is a little less comes from rounding of numbers in a script
+    // a slightly smaller length comes from rounding of numbers in a script
     if (L < 0.999999 * o.cell)
       args.complain(text_of("'regularization nonlocal ", L, "': the length must be at least the cell, which is ", o.cell, "; take 'cell ",
                             L, "' or less"));
-    constexpr double kMostCells = 100.0;  // an average of more takes thousands of sweeps a step
+    constexpr double kMostCells = 100.0;  // an average over more takes thousands of passes a step
     if (L > kMostCells * o.cell)
       args.complain(text_of("'regularization nonlocal ", L, "': the length must be at most ", kMostCells, " cells, which are ",
                             kMostCells * o.cell, ", in the units of the box; take a length of one to four cells"));
@@ -144,7 +144,8 @@ void soften(const Arguments& args, const WordsOfScript& w, Law& law) {
   }
 }
 
-// Complains of a law whose strength, strain at failure or energy is no finite number. Thresholds that no cement reaches are allowed.
+// Stops at a law whose strength, strain at failure or energy is not finite. Thresholds that no cement reaches are
+// allowed.
 void check_strength(const Arguments& args, const Law& law, const std::string& name) {
   if (law.inert()) return;
   const VtiConstants& e = law.elasticity().constants;
@@ -217,7 +218,7 @@ const std::vector<ScriptKeyword>& keywords() {
       {"kinetic_share", "X or no", "0.003", take_kinetic_share},
       {"balance", "yes or no", "no",
        [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.balance = k.is(args, "yes"); }},
-      {"skip", "undamaged, failed, resting or all, then yes or no", "all yes", take_skip, true},  // each thing that may be skipped has one
+      {"skip", "undamaged, failed, resting or all, then yes or no", "all yes", take_skip, true},  // once for each thing to skip
       {"check", "N", "100",
        [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.check_every = args.integer(k.name, 1); }},
       {"events", "file", "",
@@ -226,8 +227,8 @@ const std::vector<ScriptKeyword>& keywords() {
   return all;
 }
 
-// Chooses defaults that hang on other words, and goes with these. An average of the drive ends at a crack only where its sides have
-// nodes of their own.
+// Chooses the defaults that depend on other keywords. A nonlocal average ends at a crack only where the crack has
+// phantom nodes.
 void choose_defaults(WordsOfScript& w) {
   CementOptions& o = w.options;
   const auto may_say = [&](const char* words) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Reads the words of fix mpm in the script, see doc/fix_mpm.md.
+// Reads the keywords of fix mpm in the script, see doc/fix_mpm.md.
 #ifndef MPDEM_STYLES_WORDS_FIX_MPM_WORDS_H
 #define MPDEM_STYLES_WORDS_FIX_MPM_WORDS_H
 
@@ -18,21 +18,21 @@ namespace mpdem {
 class Arguments;
 
 constexpr double kUsualKineticShare = 3e-3;
-constexpr double kMostDamping = 100.0;  // most damping that a script may ask for, over the critical one
+constexpr double kMostDamping = 100.0;  // largest damping that a script may set, over the critical one
 
 struct ParsedOptions {
   CementOptions options;
   std::shared_ptr<const Law> law;
-  double step_fraction = 0.0;                 // share of the limit; 0: the script sets the time step
+  double step_fraction = 0.0;                 // share of the stable step; 0: the script sets the step
   std::string events;                         // name of the file of events, or empty
-  double kinetic_share = kUsualKineticShare;  // above which fix mpm warns, 0: never
-  std::vector<std::string> notes;             // words that have no effect any more
-  std::vector<SceneWords> said;               // all words, for word_rules.h
+  double kinetic_share = kUsualKineticShare;  // above which fix mpm warns; 0: never
+  std::vector<std::string> notes;             // messages on keywords that have no effect any more
+  std::vector<SceneWords> said;               // all keywords with values, for word_rules.h
 };
 
-// Complains of words that are unknown, missing, out of range or do not go together.
+// Stops at keywords that are unknown, missing, out of range or exclude each other.
 ParsedOptions parse_cement_words(Arguments& args);
-// Returns the keywords, a line each, see keywords.h.
+// Returns the keywords, one a line, see keywords.h.
 std::string listed_cement_words();
 
 }  // namespace mpdem

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Keywords of a command, each declared once: its name, its values and its default as the page of the command has them, and how
-// it is read. Reading a script, the words that exclude each other (word_rules.h), `liggghts-mpdem -options` and the test of the
-// pages go by these rows.
+// Keywords of a command, each declared once: its name, its values and its default as in the documentation, and how it
+// is read. The reader of scripts, the keywords that exclude each other (word_rules.h), `liggghts-mpdem -options` and
+// the test of the documentation use these rows.
 #ifndef MPDEM_STYLES_WORDS_KEYWORDS_H
 #define MPDEM_STYLES_WORDS_KEYWORDS_H
 
@@ -14,22 +14,22 @@
 
 namespace mpdem {
 
-// Words: what is read into.
+// Words: type that receives the values.
 template <class Words>
 struct Keyword {
   const char* name;
-  std::string values;   // `a, b or c` if the keyword takes one of these words
-  const char* initial;  // default; with a comma or a semicolon it hangs on other words; empty: none
+  std::string values;   // `a, b or c` if the keyword takes one of these
+  const char* initial;  // default; with a comma or semicolon it depends on other keywords; empty: none
   void (*take)(Arguments&, const Keyword&, Words&);
   bool repeats = false;  // may a script have it several times?
 
-  // Takes one of the words in `values`.
+  // Reads one of the choices in `values`.
   std::string choice(Arguments& args) const { return args.choice(name, words_in(values)); }
   bool is(Arguments& args, const char* value) const { return choice(args) == value; }
 };
 
-// Reads all words. Returns each keyword with its value, and with its default if it was not given and has one that hangs on nothing.
-// unknown: is called with a word that is no keyword, and does not return.
+// Reads all arguments. Returns each keyword with its value, also those not given whose default depends on no other.
+// unknown: is called with an unknown keyword, and does not return.
 template <class Words, class Unknown>
 std::vector<std::string> parse_keywords(Arguments& args, const std::vector<Keyword<Words>>& keywords, Words& w, Unknown unknown) {
   std::vector<std::string> said;
@@ -58,7 +58,7 @@ std::vector<std::string> names_of(const std::vector<Keyword<Words>>& keywords) {
   return names;
 }
 
-// Returns a line a keyword: command, name, values, default, divided by tabulators.
+// Returns one line a keyword: command, name, values, default, separated by tabs.
 template <class Words>
 std::string listed(const char* command, const std::vector<Keyword<Words>>& keywords) {
   std::string all;

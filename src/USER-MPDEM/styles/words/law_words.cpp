@@ -38,7 +38,7 @@ LawValues read_law_words(Arguments& args, const std::string& law, const std::vec
 }
 
 void check_misplaced(const Arguments& args, const std::string& word, const LawChoice& chosen) {
-  // Some words belong to several laws. The law in use is meant, or else the first that has the word.
+  // Some options belong to several laws. The law in use is meant, or else the first that has the option.
   const LawEntry* law = has_word(*chosen.entry, word) ? chosen.entry : nullptr;
   for (const LawEntry& e : law_entries())
     if (!law && has_word(e, word)) law = &e;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Words of a script from which a law is made: a law of damage, see material/laws.h, or of the traction of links, see
+// Options of a script that define a law: a damage law, see material/laws.h, or a traction law, see
 // coupling/traction_laws.h.
 #ifndef MPDEM_STYLES_WORDS_LAW_WORDS_H
 #define MPDEM_STYLES_WORDS_LAW_WORDS_H
@@ -17,7 +17,7 @@ namespace mpdem {
 
 template <class Entry>
 struct Choice {
-  const Entry* entry;  // points into a list that stays
+  const Entry* entry;  // entry of a static list
   LawValues values;
   template <class Given>
   auto make(const Given& given) const {
@@ -26,10 +26,10 @@ struct Choice {
 };
 using LawChoice = Choice<LawEntry>;
 
-// Reads the values of the words of a law. law: its name in messages.
+// Reads the values of the options of a law. law: its name in messages.
 LawValues read_law_words(Arguments& args, const std::string& law, const std::vector<LawWord>& words);
 
-// Reads the name and the words after a keyword.
+// Reads name and options of a law after a keyword.
 template <class Entry>
 Choice<Entry> read_choice(Arguments& args, const std::string& keyword, const std::vector<Entry>& entries) {
   std::vector<std::string> names;
@@ -41,7 +41,7 @@ Choice<Entry> read_choice(Arguments& args, const std::string& keyword, const std
   return c;
 }
 
-// Returns the names of the laws, as `a, b or c`.
+// Returns the names of the laws as `a, b or c`.
 template <class Entry>
 std::string names_listed(const std::vector<Entry>& entries) {
   std::string all;
@@ -49,7 +49,7 @@ std::string names_listed(const std::vector<Entry>& entries) {
   return all;
 }
 
-// Returns words for messages, such as "and after 'damage tensor' B0, cutoff ...", of each law that has words.
+// Returns the option names of all laws for messages, such as "and after 'damage tensor' B0", "cutoff".
 template <class Entry>
 std::vector<std::string> law_words(const std::string& keyword, const std::vector<Entry>& entries) {
   std::vector<std::string> all;
@@ -58,7 +58,7 @@ std::vector<std::string> law_words(const std::string& keyword, const std::vector
   return all;
 }
 
-// Complains if the word belongs to a law and stands elsewhere. Returns if it belongs to none.
+// Stops if the keyword is an option of a law that was not given right after it. Returns if it belongs to no law.
 void check_misplaced(const Arguments& args, const std::string& word, const LawChoice& chosen);
 
 }  // namespace mpdem

@@ -13,7 +13,8 @@ namespace mpdem {
 
 namespace {
 
-// Values are those of the pages, divided by ` | `, each with capitals for numbers. `A with B` means both, `A without B` the one alone.
+// Options are written as in the documentation, separated by ` | `, with capitals for numbers. `A with B` means both, `A
+// without B` only the first.
 struct Exclusion {
   const char *a, *b, *why, *instead;
 };
@@ -81,7 +82,8 @@ bool is_number(const std::string& word, double& v) {
   return !word.empty() && *end == '\0';
 }
 
-// Are words of a script written like a value of a page? `reproject 10` is `reproject N above 1`. Names need not follow each other.
+// Does an option of a script match one of the documentation? `reproject 10` matches `reproject N above 1`. Names need
+// not follow each other.
 bool is_written(const std::string& words, const std::string& value) {
   std::istringstream given(words), wanted(value);
   std::string word, name, keyword;
@@ -105,7 +107,7 @@ std::string said(const std::vector<SceneWords>& scene, const std::string& value)
   return {};
 }
 
-// Returns the words of the scene that are one of these values, or an empty text.
+// Returns the options of the scene that match one of these, or an empty text.
 std::string said_of(const std::vector<SceneWords>& scene, std::string values) {
   for (values += " | "; !values.empty(); values.erase(0, values.find(" | ") + 3)) {
     std::string value = values.substr(0, values.find(" | ")), other;

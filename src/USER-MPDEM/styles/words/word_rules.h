@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Words of a scene that do not go together. Each pair is a row of one list: what excludes what, why, and what to use instead.
+// Options of a scene that exclude each other. Each pair is a row of a table: what excludes what, why, and what to use
+// instead.
 #ifndef MPDEM_STYLES_WORDS_WORD_RULES_H
 #define MPDEM_STYLES_WORDS_WORD_RULES_H
 
@@ -10,15 +11,15 @@
 
 namespace mpdem {
 
-// A keyword with its value, given or by default: `reproject 10`.
+// A keyword with its value, given or default: `reproject 10`.
 struct SceneWords {
   std::string words;
-  std::string of = {};  // what has them: `fix mpm (id cem)`; empty: the command that reads them
+  std::string of = {};  // owner: `fix mpm (id cem)`; empty: the command that reads them
 };
 
-// Returns what does not go together, why, and a cure, or an empty text.
+// Returns what excludes what, why, and a cure, or an empty text.
 std::string words_that_exclude(const std::vector<SceneWords>& scene);
-// Returns a line a pair: `excludes`, words of either as pages have them, and why, divided by tabulators.
+// Returns one line a pair: `excludes`, either option as in the documentation, and why, separated by tabs.
 std::string listed_exclusions();
 
 }  // namespace mpdem
