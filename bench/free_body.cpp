@@ -108,8 +108,8 @@ void FreeBody::start(double dt, const std::function<Point(const Point&)>& veloci
   cement_->check_state();
 }
 
-// Nodal values that give the points their velocities, M v = sum_p m_p N_I v_p. Nodes are no places of a spline: their values would
-// be those of a field that is smoother by (kh)^2/8. The part of an error that the lumped mass sees is left in each round.
+// Nodal values that give the points their velocities, M v = sum_p m_p N_I v_p. They are not the values of the spline at the nodes,
+// which would be those of a field that is smoother by (kh)^2/8. The part of an error that the lumped mass sees is left in each round.
 void FreeBody::set_velocity(const std::function<Point(const Point&)>& velocity) {
   constexpr int kRounds = 30;
   Grid& g = grid();

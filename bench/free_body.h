@@ -43,7 +43,7 @@ class FreeBody : public CementHost {
   std::function<void(FreeBody&)> before_step;
   // Adds forces from outside to `force`, three numbers a node.
   std::function<void(FreeBody&, double time, std::vector<double>& force)> load;
-  // Is a node at rest? By its place.
+  // Is a node at rest? By its position.
   std::function<bool(const Point&)> held;
 
   // Starts a run with steps of dt. The points have these velocities half a step before, where central differences have them.
@@ -63,8 +63,8 @@ class FreeBody : public CementHost {
   double density() const { return density_; }
   const Method& method() const { return method_; }
   std::size_t memory_usage() const { return cement_->report().memory_usage(); }
-  // As fix mpm: lambda of these points where they stay, the bound for any place where they move; for tents, which have none, that of these
-  // points with 20 % on top.
+  // As fix mpm: lambda of these points where they stay, the bound for any place where they move; for linear hat functions, which
+  // have none, that of these points with 20 % on top.
   double stable_step();
   double energy() {
     const CementTotals t = cement_->report().totals(0.0);

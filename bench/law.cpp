@@ -4,7 +4,7 @@
 // Work and precision of the law of damage, one point at a time, see doc/performance.md.
 //   law [--quick] [--list] [name ...]
 // straight: random strains, each grown from 0.9 to 3 times the onset of damage; turning: while it grows, each
-// turns into another one. Steps are in onset strains. CSV on standard output: evaluations of the
+// rotates into another one. Steps are in onset strains. CSV on standard output: evaluations of the
 // law (and of its derivative) and CPU time of a step of eight points; errors of D, of the stress over
 // f_t and of the energy given off over B0, at six places on each path: median and the tenth largest
 // in a hundred. The reference is what the two finest steps extrapolate to by the order of the law.
@@ -70,7 +70,7 @@ Numbers run(const TensorDamage& law, int paths, bool turning, double step) {
   for (int path = 0; path < paths; path += kLanes) {
     std::mt19937_64 random(100 + path);
     const Sym3<vd> first = random_strain(law, random), other = random_strain(law, random);
-    // Turns by less than a right angle.
+    // Rotations by less than a right angle.
     const Sym3<vd> second = select(contract(first, other) > 0.0, splat(1.0), splat(-1.0)) * other;
     Sym3<vd> D{}, strain = splat(kFrom) * first;
     vmask alive = splat_mask(true);

@@ -113,7 +113,7 @@ struct Cube : Problem {
 };
 
 // Generalized vortex (Kamojjala, Brannon, Sadeghirad & Guilkey, Eng. Comput. 31 (2015) 193): circles
-// of radius R turn by alpha = G sin(pi t/T) H(R), H = 1 - 32 (R-1)^2 + 256 (R-1)^4 for
+// of radius R rotate by alpha = G sin(pi t/T) H(R), H = 1 - 32 (R-1)^2 + 256 (R-1)^4 for
 // 0.75 < R < 1.25 and 0 elsewhere; E = 1000, nu = 0.3, rho = 1000, T = 1 as there. With Jaumann's
 // rate, g = R alpha,R gives tau_rt = mu sin g and -tau_rr = tau_tt = mu (1 - cos g), no change of
 // volume, and
@@ -150,7 +150,7 @@ struct Vortex : Problem {
   NoDamage law() const override { return NoDamage(VtiElasticity(VtiConstants::isotropic(hyperelastic ? 1e-6 : 1000.0, 0.3))); }
   const NeoHookean* neo_hookean() const override { return hyperelastic ? &constants : nullptr; }
   static bool turns(double R) { return std::fabs(R - 1.0) < 0.25; }
-  // Nodes a sixteenth and more off the ring are held. Left free, the ring would turn as a rigid body:
+  // Nodes a sixteenth and more off the ring are held. Left free, the ring would rotate as a rigid body:
   // the jumps of b at both its ends, sampled by the points, leave a torque.
   bool held(const Point& x) const override { return std::fabs(std::hypot(x[0], x[1]) - 1.0) > 0.25 + 1.0 / 16; }
   static double profile(double R) {

@@ -35,7 +35,7 @@ class Problem {
   virtual bool loaded() const { return true; }
   virtual Point body_force(const Point&, double) const { return {0, 0, 0}; }  // per mass
   // Lame's constants if the stress is that of a neo-Hookean body, which the package has no law for, and
-  // law() next to nothing.
+  // law() almost nothing.
   struct NeoHookean {
     double lambda, mu;
   };

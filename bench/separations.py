@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-"""What it costs when a bond comes apart, in scenes of few and of many bonds.
+"""What it costs when a bond separates, in scenes of few and of many bonds.
 
     separation/N    N coarse bonds between pairs of grains, of which 24 are pulled apart at speeds of their own and the others
-                    are held still. CPU time of the step in which one is laid out in two parts, above the median of the ten steps before;
+                    are held still. CPU time of the step in which one gets the layout of its two pieces, above the median of the ten steps before;
                     median over the separations. The same run twice: told of separations, told of times, which bench/cpu_clock.cpp
                     makes those of the CPU.
 """
@@ -39,7 +39,7 @@ def measure(names, directory, quick, tell):
     for name in names:
         bonds = int(name.split("/")[1])
         steps = 30 if quick else 130
-        # a bond is looked at in the step after one that five divides
+        # a bond is checked in the step after one that five divides
         told = launch(script(bonds, ["f_cem[19]"], 5, steps), directory / f"separation_{bonds}")
         assert not failure(told), failure(told)
         os.environ["LD_PRELOAD"] = str(Path(os.environ["MPDEM_EXE"]).resolve().parent / "bench" / "libcpu_clock.so")

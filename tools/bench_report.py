@@ -5,7 +5,7 @@
 
     tools/bench_report.py [--quick] [--list] [--periods N] [--section N] [--build DIR] [--out DIR] [NAME ...]
 
-NAME is the name of a benchmark or the first parts of it: `step/total`, `vortex`; none: all of
+NAME is the name of a benchmark or the beginning of it: `step/total`, `vortex`; none: all of
 them, which takes 15 to 25 minutes. Writes results.json, rates.csv,
 accuracy.csv, law.csv and a PNG a diagram to DIR, by default BUILD/bench/results.
 """
@@ -62,7 +62,7 @@ def tell(text):
 
 
 def chosen(names, wanted):
-    """Those that begin with one of `wanted`, part by part."""
+    """Those that begin with one of `wanted`, by whole names between slashes."""
     for w in wanted:
         if not any((n + "/").startswith(w.rstrip("/") + "/") for n in names):
             sys.exit(f"bench_report.py: unknown benchmark '{w}'; names, or the first parts of them, are\n  "

@@ -8,7 +8,7 @@
     tools/compare_programs.py OLD NEW --time 5           CPU time, five runs of each in turns
 
 Runs the examples of this source tree with either program and compares every table and event log that they leave.
-A file is `same` if it is the same to the byte.  Otherwise the largest difference of a column over the largest value in
+A file is `same` if every byte is the same.  Otherwise the largest difference of a column over the largest value in
 it is told, before the first point fails and over the whole run, and whether the same points fail in the same order.
 The exit status is 0 if all files are the same or agree within --tolerance before the first failure, with the same events.
 Needs Debian's python3-numpy.
@@ -33,11 +33,11 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def example(name, variables, words=()):
-    """A script of examples/, its variables, and words to replace in its text."""
+    """A script of examples/, its variables, and what to replace in its text."""
     return {"script": ROOT / "examples" / name, "variables": variables, "words": words}
 
 
-WARNS = b" kinetic_share no"  # results do not hang on it, and earlier programs do not know it
+WARNS = b" kinetic_share no"  # results do not depend on it, and earlier programs do not know it
 COARSE = {"spacing": "2e-4", "record": "10", "frames": "1000000", "limit": "6000"}
 UPDATED = [("mpm cell ${cell}", "mpm cell ${cell} kinematics updated")]
 SCENES = {
@@ -111,13 +111,13 @@ def run(exe, scene, ranks, folder):
 
 
 def read(path):
-    """Header and rows of a table, as words."""
+    """Header and rows of a table, as texts."""
     lines = path.read_text().splitlines() or [""]
     return lines[0].split(","), [line.split(",") for line in lines[1:]]
 
 
 def column(rows, n):
-    """Numbers of a column; NaN where there is a word."""
+    """Numbers of a column; NaN where there is a text."""
     def value(word):
         try:
             return float(word)
@@ -127,7 +127,7 @@ def column(rows, n):
 
 
 def events_differ(old, new):
-    """Where two event logs part, or an empty string."""
+    """Where two event logs begin to differ, or an empty string."""
     (old_head, old_rows), (new_head, new_rows) = read(old), read(new)
     wanted = ("step", "point", "bond", "grain", "mode")
     old_events = [[row[old_head.index(c)] for c in wanted] for row in old_rows]
@@ -154,7 +154,7 @@ def table_differs(old, new, first_failure):
             found = [(np.inf, name)] * 2  # a number in one table alone
             break
         if np.isnan(a).any():
-            continue  # words, which the events are compared by
+            continue  # texts, which the events are compared by
         difference = np.abs(a - b) / max(np.abs(a).max(initial=0.0), 1e-300)
         for n, chosen in enumerate((step < first_failure, step >= 0)):
             found[n] = max(found[n], (difference[chosen].max(initial=0.0), name), key=lambda pair: pair[0])

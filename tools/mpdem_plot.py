@@ -7,8 +7,8 @@
 
 Reads the table of `fix mpm/couple ... csv` and the text dumps of the material points, prints a
 summary and writes summary.csv, force_displacement.png and damage_cut.png; geometry.png, if the dumps
-have the compute `attached`; interface.png, if there is the event log events_NAME.csv and links let
-go. With the table load_NAME.csv of examples/pair_table, way and load are those of its load.
+have the compute `attached`; interface.png, if there is the event log events_NAME.csv and links
+debonded. With the table load_NAME.csv of examples/pair_table, displacement and load are those of its load.
 
 summary.csv has a row a bond. Whether a bond is separated, the mode, the step and the shares are those of its table.
 `peak_force_N` is the largest magnitude of the force along the line of centres, `sense` tells whether it is tension or

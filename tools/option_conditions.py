@@ -11,7 +11,7 @@ What may be combined has to be thought of wherever one option asks about another
 
 A condition is a line where an expression that is tested has the option: what stands in if, while, for or switch, beside
 &&, || or a comparison, behind ! or before ?, or what a function returns as a bool. An option that is handed on as an argument
-is none, and neither is a loop over some of the bonds. Comments, words in quotes and lines of the preprocessor are left out.
+is none, and neither is a loop over some of the bonds. Comments, texts in quotes and lines of the preprocessor are left out.
 Renaming does not help:
 
 * a function of one line that returns a bool and asks for an option stands for that option, and so does one that rests on it.

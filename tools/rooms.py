@@ -38,7 +38,7 @@ def rooms_of(package):
 
 
 def levels_of(rooms, includes):
-    """The longest way down from each room. Rooms that include each other stay on one level."""
+    """The longest path down from each room. Rooms that include each other stay on one level."""
     level = dict.fromkeys(rooms, 0)
     for _ in rooms:
         for room in rooms:

@@ -5,10 +5,10 @@
 
     tools/study_statements.py OUT statements.csv      # OUT: folder of the runs
 
-One row a run in tension, of what failed before the bond was separated: share of points that let go of a grain;
+One row a run in tension, of what failed before the bond was separated: share of points that debonded from a grain;
 radii of the first fiftieth of the failures and of all; height of the failures inside the cement over half the
-gap between the beads there, median and quartiles; median time of letting go in the inner, middle and outer
-third of the radii (us); number of bursts in which the points let go, with pauses of at least a fiftieth
+gap between the beads there, median and quartiles; median time of debonding in the inner, middle and outer
+third of the radii (us); number of bursts in which the points debonded, with pauses of at least a fiftieth
 of the whole between them.
 """
 import csv

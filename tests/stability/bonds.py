@@ -12,7 +12,7 @@ BRITTLE = "damage tensor B0 9.6e6 cutoff 0.9"
 
 
 def bond(words="", *, timestep="auto 0.9", damage="", cell=CELL, spacing=CELL / 2, **options):
-    """Two grains, their cement, and the fixes; `words` are of fix mpm."""
+    """Two grains, their cement, and the fixes; `words` are options of fix mpm."""
     couple = options.pop("couple", "kn auto kt auto")
     elastic = {k: options.pop(k) for k in ("elastic", "axis") if k in options}
     text = pair(spacing, cement=options.pop("cement", SMALL), **options)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """One answer on any number of ranks, however the box is cut: before failure, of every failure in its order,
-and of what is left when the bond is in two."""
+and of what is left when the bond is separated."""
 import numpy as np
 import pytest
 from bonds import bond
@@ -10,12 +10,12 @@ CELL, EVERY = 4e-4, 4
 LAYOUTS = {n: [(a, b, n // a // b) for a in range(1, n + 1) for b in range(1, n + 1) if n % (a * b) == 0] for n in (2, 4, 8)}
 SHORT = [(1, 1, 2), (2, 2, 2), (8, 1, 1)]  # the last leaves ranks without cement, and without anything
 ALL = sum(LAYOUTS.values(), [])
-# name: (words of fix mpm, steps, of which seven tenths pull the bond in two)
+# name: (options of fix mpm, steps, of which seven tenths pull the bond in two)
 SETTINGS = {"default": ("quasistatic 1 0.5", 1500), "updated": ("kinematics updated", 1500), "linear": ("basis linear quasistatic 1 0.5", 1500)}
 
 
 def torn(words, steps, processors="* * *", **options):
-    """A bond that is pulled in two and whose parts come to rest."""
+    """A bond that is pulled in two and whose pieces come to rest."""
     text = bond(f"{words} events events.csv", timestep="2e-8", damage="damage tensor B0 9.6e6 cutoff 0.9",
                 gap=options.pop("gap", 2e-4), processors=processors, **options)
     return (text + pull(8.0, 4e-6) + thermo(EVERY, ["f_bond", "f_bond[17]", "f_cem[2]", "f_bond[22]"]) + f"run {steps}\n")
@@ -84,5 +84,5 @@ def test_across_periodic_boundaries(words, axis, tmp_path, figures, long):
     middle = run(at_place(3 * [0.025], axis, words, "* * *"), tmp_path / "middle")
     for ranks, cut in ((1, "* * *"), (8, "2 2 2")) if long else ((8, "2 2 2"),):
         corner = run(at_place(3 * [0.0501], axis, words, cut), tmp_path / f"corner{ranks}", ranks)
-        # A place is rounded by 1e-17 m of the box in either, which the penalty feels.
+        # A position is rounded by 1e-17 m of the box in either, which the penalty feels.
         compare(middle, corner, f"{words}, bond in the corner on {ranks} ranks", 1e-9, figures)

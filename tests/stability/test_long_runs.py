@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Many steps: energy of a vibration, stress and damage of a bond that turns."""
+"""Many steps: energy of a vibration, stress and damage of a bond that rotates."""
 import numpy as np
 import pytest
 from bonds import LAW, bond
@@ -13,11 +13,11 @@ variable     energy equal c_kin+f_cem[5]+f_cem[6]+f_cem[7]
 
 @pytest.mark.parametrize("words, steps", [("", 1_000_000), ("basis cubic", 100_000), ("basis linear", 100_000)])
 def test_free_vibration(words, steps, tmp_path, figures, long):
-    """Two grains are drawn apart smoothly and let go: they swing on their bond, and the energy of
+    """Two grains are drawn apart smoothly and released: they oscillate on their bond, and the energy of
     grains and cement neither drifts nor ebbs.
 
-    Within a swing it goes up and down: at nine tenths of the stable step the mass that stabilises the links is as much
-    as that of the grains, and moves with nodes, not with them. It goes with the square of the step.
+    Within a period it rises and falls: at nine tenths of the stable step the mass that stabilises the links is as much
+    as that of the grains, and moves with nodes, not with them. The change scales with the square of the step.
     """
     steps = steps if long else steps // 40
     script = bond(words) + shift(1e-8, "(2000*dt)") + (
@@ -31,7 +31,7 @@ def test_free_vibration(words, steps, tmp_path, figures, long):
     swings = abs(np.diff(np.sign(force))).sum() / 4
     figures.note(f"{words or 'default'}: steps", steps)
     figures.below(f"{words or 'default'}, {steps} steps, at least {swings:.0f} swings: drift of the energy", drift,
-                  1e-2 if "cubic" in words else 2e-3)  # of cubic splines a beat is seen: +0.6 and -0.5 % by turns, no trend
+                  1e-2 if "cubic" in words else 2e-3)  # of cubic splines a beat is seen: +0.6 and -0.5 % alternately, no trend
     figures.below(f"{words or 'default'}, {steps} steps: energy of any step against the mean", abs(E[5:] / E.mean() - 1).max(), 0.03)
 
 
@@ -68,7 +68,7 @@ def turning(rate, ramp):
 
 @pytest.mark.parametrize("words", ["", pytest.param("basis linear", marks=pytest.mark.long), "basis cubic"])
 def test_rotation(words, tmp_path, figures, long):
-    """A bond pulled until it is damaged turns as a whole, ten times; stress, damage and energy stay."""
+    """A bond pulled until it is damaged rotates as a whole, ten times; stress, damage and energy stay."""
     revolutions = 10 if long else 0.25
     opening = 2.9e-7  # between the first damage and the first failure
     dt, rate, every = 1.5e-8, 1e4, 10

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Loads that turn back, crush, tear off, and strengths from next to nothing to beyond everything."""
+"""Loads that reverse, crush, tear off, and strengths from almost nothing to beyond everything."""
 import numpy as np
 import pytest
 from bonds import BRITTLE, bond
@@ -9,7 +9,7 @@ DT = 2e-8
 
 
 def ways(positions, duration):
-    """Grain 2 goes to one position after the other, each way smooth."""
+    """Grain 2 goes to one position after the other, each path smooth."""
     text = "fix hold first move linear 0 0 0\n"
     at = 0.0
     for n, position in enumerate(positions):
@@ -28,7 +28,7 @@ COLUMNS = ["f_bond", "f_bond[13]", "f_bond[17]", "f_bond[20]", "f_cem[8]", "f_ce
 def test_unload_and_reload(words, tmp_path, figures):
     """Unloaded after damage and loaded again: no dissipation below the largest opening, no force at none.
 
-    Softening cement is not at rest when the grains turn back: what the vibration still damages, most with cubic splines,
+    Softening cement is not at rest when the grains reverse. The damage that the vibration still causes, most with cubic splines,
     is in the figure of the dissipation.
     """
     opening = 8e-6 if "updated" in words else 9e-6  # at which damage has begun
@@ -50,7 +50,7 @@ def test_unload_and_reload(words, tmp_path, figures):
 
 @pytest.mark.parametrize("words", ["", "kinematics updated"])
 def test_reversal(words, tmp_path, figures, long):
-    """Tension and compression by turns, through failure."""
+    """Tension and compression alternately, through failure."""
     turns = 10 if long else 3
     script = bond(words, timestep=f"{DT}", damage=BRITTLE, gap=1e-4) + thermo(10, COLUMNS) + ways([4e-5, -4e-5] * turns + [0.0], 2e-5)
     t = run(script, tmp_path).table()
@@ -70,11 +70,11 @@ def test_crushing(words, tmp_path, figures, long):
     figures.below(f"{words}: imbalance of the energy", abs(t["f_cem[12]"][10:]).max(), 0.05)
 
 
-# What stays on a grain rings with nothing to damp it, unless the script says so.
+# Residue on a grain vibrates undamped, unless the script damps it.
 @pytest.mark.parametrize("words", ["quasistatic 1 0.5", "kinematics updated", "kinematics updated transfer flip 0.9"])
 def test_fly_away(words, tmp_path, figures, long):
-    """Both grains fly apart, the bond breaks, and its debris flies on."""
-    # Every point of debris has nodes of its own: the further apart, the longer a step of `updated` takes.
+    """Both grains fly apart, the bond breaks, and its fragments fly on."""
+    # Every point of the fragments has nodes of its own: the further apart, the longer a step of `updated` takes.
     far = (0.1 if "updated" in words else 0.2) if long else 0.02
     script = bond(words, timestep=f"{DT}", damage=BRITTLE, gap=2e-4, half_box=(0.05, 0.05, 3 * far))
     script += "velocity first set 0 0 -40\nvelocity second set 3 0 40\nfix motion grains nve/sphere\n" + MOMENTA
@@ -94,7 +94,7 @@ def test_fly_away(words, tmp_path, figures, long):
 @pytest.mark.parametrize("B0", [1e-12, 1e-3])
 @pytest.mark.parametrize("words", ["", "kinematics updated"])
 def test_no_strength(B0, words, tmp_path, figures):
-    """B0 next to nothing: the cement fails at once and in order."""
+    """B0 almost zero: the cement fails at once and in order."""
     script = bond(words, timestep=f"{DT}", damage=f"damage tensor B0 {B0} cutoff 0.9") + pull(0.1, 2e-6)
     t = run(script + thermo(10, COLUMNS + ["f_bond[22]", "f_cem[1]"]) + "run 1500\n", tmp_path).table()
     assert all(np.isfinite(c).all() for c in t.values())
@@ -123,6 +123,6 @@ def test_flight(words, share, tmp_path, figures):
     script += "fix motion grains nve/sphere\nvelocity all set 100 70 30 units box\n"
     energy = run(script + thermo(400, ["f_cem[6]"]) + "run 12000\n", tmp_path).table()["f_cem[6]"]
     third = len(energy) // 3
-    # positions are rounded in proportion to the way, and errors add up: 27 to 81 times in three times the steps
+    # positions are rounded in proportion to the path, and errors add up: 27 to 81 times in three times the steps
     figures.below(f"flight, {words or 'apic'}, timestep auto {share}: elastic energy of the end over that of a third of the way",
                   energy[-3:].max() / energy[third - 3:third].max(), 200)

@@ -35,7 +35,7 @@ def step(t):
 
 
 def pulled(E_scale=1.0):
-    """A pull to failure where every stress is E_scale times the usual, and time goes with it."""
+    """A pull to failure where every stress is E_scale times the usual, and time scales with it."""
     s = E_scale**0.5
     elastic = tuple(e * E_scale if e > 1 else e for e in VTI)
     return (bond(timestep=f"{2e-8 / s:.15g}", elastic=elastic, damage=f"damage tensor B0 {9.6e6 * E_scale:.15g} cutoff 0.9")
@@ -105,7 +105,7 @@ def test_loading_rate(speed, tmp_path, figures):
     dt = 2e-8 * min(1.0, 10.0 / speed)
     ramp = min(2e-6, 2e-5 / speed)
     steps = int((3e-5 / speed + 3e-5) / dt)
-    # Wide enough for debris, which goes its way meanwhile.
+    # Wide enough for fragments, which fly on meanwhile.
     script = bond(timestep=f"{dt}", damage=BRITTLE, half_box=(4e-2, 4e-2, 4e-2)) + pull(speed, ramp)
     script += thermo(max(1, steps // 400), ["f_bond", "f_bond[17]", "f_bond[21]", "f_cem[12]", "f_cem[2]"]) + f"run {steps}\n"
     t = run(script, tmp_path).table()

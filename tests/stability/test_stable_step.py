@@ -34,7 +34,7 @@ def test_time_step(way, tmp_path, figures, long):
         assert result.status != 0 and "exceeds the stable step" in result.errors()[0], result.output[-500:]
 
 
-# kg/m3, words, limits of the imbalance if what draws is defined before fix mpm, and after it
+# kg/m3, options, limits of the imbalance if the force is defined before fix mpm, and after it
 FREE_GRAINS = [(100, "", 1e-6, None), (500, "", 1e-6, 0.05), (1000, "", 1e-6, 0.01), (2500, "", 1e-6, 5e-3), (500, "basis linear", 1e-6, 0.05),
                (2500, "quasistatic 100 0", 1e-6, None), (2500, "quasistatic 100 0.5", 1e-3, None)]
 
@@ -42,7 +42,7 @@ FREE_GRAINS = [(100, "", 1e-6, None), (500, "", 1e-6, 0.05), (1000, "", 1e-6, 0.
 @pytest.mark.parametrize("density, words, imbalance, later", FREE_GRAINS)
 def test_free_grain(density, words, imbalance, later, tmp_path, figures):
     """A bead that follows its own mass, of any weight against its links, is drawn by a growing force. Added mass, here up to
-    a thousand times the bead's, goes along with it; forces of fixes that come after fix mpm are those of the step before,
+    a thousand times the bead's, moves with it; forces of fixes that come after fix mpm are those of the step before,
     which is too late for beads lighter than their cement."""
     script = bond(words, cement="inner 1e-3 outer 4e-3", gap=2e-4) + f"set group second density {density}\n" + (
         "fix hold first move linear 0 0 0\nfix motion second nve/sphere\n")

@@ -7,7 +7,7 @@ import numpy as np
 from scenes import RADIUS, VTI, cement, deform, edit, pair, run, thermo
 
 VERIFICATION = Path(__file__).parent.parent / "verification"
-# Words of create_cement by shape, as the cases of the references have them.
+# Options of create_cement by shape, as the cases of the references have them.
 WORDS = {"flat": ("outer", "inner"), "meniscus": ("neck", "contact", "inner"), "coating": ("thickness", "cap", "inner")}
 
 
@@ -18,10 +18,10 @@ def references():
 
 def measure(directory, load, shape, words, cell, gap=0.0, radius=RADIUS, elastic=VTI, axis="global 0 0 1", basis="quadratic",
             kn="auto", at="surface", duration=16e-6, ranks=1, cracks="bonds"):
-    """Force per displacement of grain 2 (tension, shear: N/m) or moment per turn (torsion, bending: N m/rad).
+    """Force per displacement of grain 2 (tension, shear: N/m) or moment per rotation (torsion, bending: N m/rad).
 
     The grain is moved smoothly and then held for a quarter of the time, over which what is left of the vibration
-    averages out. Damping of the links takes what the turn in 400 parts excites in them.
+    averages out. Damping of the links removes the vibration that the rotation in 400 intervals excites.
     """
     timestep = 0.35 * cell / (elastic[1] / 2710)**0.5 * (0.5 if basis == "linear" else 1.0)
     amount = 1e-8 if load in ("tension", "shear") else 1e-5

@@ -55,7 +55,7 @@ neigh_modify include grains delay 0
 
 
 def in_cells(words):
-    """Words of create_cement with those that leave all of the bond to cells: no film."""
+    """Options of create_cement with those that leave all of the bond to cells: no film."""
     return words + ("" if "film" in words else " film grid" if "inner" in words else " inner auto")
 
 
@@ -129,7 +129,7 @@ TURNS = {"torsion": "omegaz", "bending": "omegay"}
 
 
 def deform(load, amount, duration, timestep, distance, parts=400):
-    """Moves grain 2 along z (tension), along x (shear), or turns it about z (torsion) or about y and the middle of the
+    """Moves grain 2 along z (tension), along x (shear), or rotates it about z (torsion) or about y and the middle of the
     line of centres (bending) by `amount`, m or rad, without a jump in velocity or acceleration, and runs the time this
     takes: `duration`, or a little more.
 
@@ -157,7 +157,7 @@ def deform(load, amount, duration, timestep, distance, parts=400):
             f'run {steps} pre no post no every {every} "set group second {TURNS[load]} v_omega"\nset group second {TURNS[load]} 0\n')
 
 
-# A free pair that turns about y and flies; it needs a gap wide enough for no contact.
+# A free pair that rotates about y and flies; it needs a gap wide enough for no contact.
 SPINNING = """\
 variable     vx atom "3000*z+1"
 variable     vz atom "-3000*x+2"
@@ -260,7 +260,7 @@ def start(script, directory, ranks=1, program=None, name="in.test", arguments=()
     (directory / name).write_text(script)
     command = [program or executable(), "-in", name, *arguments]
     if ranks > 1:
-        # Ranks that wait give way, or a busy machine would take many times as long.
+        # Waiting ranks yield, or a busy machine would take many times as long.
         command = ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1",
                    "-np", str(ranks), *command]
     with open(directory / f"{name}.out", "w") as out:

@@ -18,7 +18,7 @@ def with_damage(words):
 
 # name: (changes as (old, new), words that the message has to hold)
 CASES = {
-    # words of the commands
+    # options of the commands
     "fix mpm: unknown keyword": ([("axis radial", "axes radial")], ["fix mpm (id cem)", "axes", "known here", "axis"]),
     "fix mpm: unknown keyword of damage": (with_damage("damage tensor B0 9.6e3 cutof 0.9"), ["fix mpm (id cem)", "cutof", "cutoff"]),
     "fix mpm: a third term of the mass": ([("axis radial", "axis radial mass_order 3")], ["fix mpm (id cem)", "'mass_order 3'", "from 1 to 2"]),

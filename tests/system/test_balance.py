@@ -84,8 +84,8 @@ def test_same_answer(ranks, processors, speed, words, tmp_path, figures):
 @pytest.mark.parametrize("runs", ["run 200\nwrite_restart half.200\nrun 200\n", 'run 400 every 200 "write_restart half.*"\n',
                                   "run 200\nset group grains density 2500\nwrite_restart half.200\nrun 200\n"])
 def test_restart(runs, tmp_path):
-    """A run that goes on from a file written between two runs, within one, or after a command that hands points back to the ranks of their places, is the
-    run itself to the bit; on one rank it has the same events."""
+    """A run that goes on from a file written between two runs, within one, or after a command that returns points to the ranks of their positions, is
+    bitwise identical to the run itself; on one rank it has the same events."""
     books = "thermo_style custom step f_cem[6] f_cem[8] f_cem[9] f_cem[11] f_cem[12]\nthermo_modify format float %.17g\n"
     whole_output = run(beads() + cement("balance yes") + books + runs, tmp_path, 2).output
     head, whole = table(tmp_path)
@@ -115,8 +115,8 @@ def most_atoms(output):
 
 
 @pytest.mark.parametrize("boundary", ["f f f", "f f p"])
-def test_four_bricks_in_a_row(boundary, tmp_path):
-    """Bonds go to the brick beside theirs, with a periodic side of the box too, and come back where a run gives balance up."""
+def test_four_subdomains_in_a_row(boundary, tmp_path):
+    """Bonds go to the subdomain beside theirs, across a periodic side of the box too, and come back in a run without `balance`."""
     text = beads(boundary=boundary, processors="1 1 4")
     plain = run(text + cement("balance no") + "run 400\n", tmp_path / "no", 4)
     balanced = run(text + cement("balance yes") + "run 200\nwrite_restart half.200\nrun 200\n", tmp_path / "yes", 4)

@@ -31,7 +31,7 @@ def test_short_run(tmp_path, figures):
         figures.note(f"{problem}: order of total/quadratic/none", f"{order:.2f}")
         assert order >= 1.9
         assert (tmp_path / f"{problem}.png").stat().st_size > 5000
-    # Phase after one period of 4: lumped mass and consistent stiffness of tents against the central difference.
+    # Phase after one period of 4: lumped mass and consistent stiffness of linear hat functions against the central difference.
     tents = [r for r in result["accuracy"] if (r["problem"], r["method"]) == ("bar", "total/linear/none")]
     assert [r["cells"] for r in tents] == [4, 6, 12, 24]
     for r in tents:

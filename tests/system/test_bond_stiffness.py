@@ -54,10 +54,10 @@ def test_finer_cells(name, coarse, fine, tmp_path, figures):
 
 
 @pytest.mark.parametrize("name, limit", [("coating", 0.01), ("coating across a gap", 0.02)])
-def test_crevice(name, limit, tmp_path, figures):
+def test_unbonded_gap(name, limit, tmp_path, figures):
     """Beyond the ring in which they meet, two shells have nodes of their own (src/USER-MPDEM/fracture/crevice.h).
 
-    Where the crevice ends is known to a part of a cell, which is what the errors are: no order, but a bound. With
+    The end of the gap is known to a fraction of a cell, which is what the errors are: no order, but a bound. With
     nodes that the shells share the errors are 8 and 6 %, 25 and 19 % across a gap.
     """
     exact = CASES[name]["stiffness"]["tension"]["value"]
@@ -67,8 +67,8 @@ def test_crevice(name, limit, tmp_path, figures):
     figures.below(f"{name}, tension: error with 2 and 3 cells across the shell", max(map(abs, errors)), limit)
 
 
-def test_crevice_of_split_nodes(tmp_path, figures):
-    """The same by copies of nodes; with any connection joining them the error is 6 %."""
+def test_unbonded_gap_of_split_nodes(tmp_path, figures):
+    """The same by phantom nodes; with any connection joining them the error is 6 %."""
     exact = CASES["coating"]["stiffness"]["tension"]["value"]
     error = measure_case(tmp_path, CASES["coating"], "tension", 2e-4, cracks="split") / exact - 1
     figures.note("coating, tension, split nodes: signed error with cells of 0.0002", f"{error:+.4f}")
@@ -86,7 +86,7 @@ def test_one_cell_across_the_shell(tmp_path, figures):
 
 @pytest.mark.parametrize("basis, limit", [("linear", 0.01), ("quadratic", 0.01), ("cubic", 0.035)])
 def test_basis(basis, limit, tmp_path, figures):
-    """Edge nodes of wider splines hold less; tied, they no longer make the bonded surface soft."""
+    """Edge nodes of wider splines hold less; as constrained nodes they no longer make the bonded surface soft."""
     name = "meniscus across a gap"
     exact = CASES[name]["stiffness"]["tension"]["value"]
     error = measure_case(tmp_path, CASES[name], "tension", 2e-4, basis=basis) / exact - 1

@@ -107,7 +107,7 @@ def test_rows_of_bonds_that_are_made_after_the_fix(tmp_path):
 
 @pytest.mark.parametrize("ranks, processors", [(1, "* * *"), (2, "1 1 2"), (2, "1 2 1")])
 def test_beside_bonds_that_break(tmp_path, ranks, processors):
-    """Each that comes apart is a new layout of all; a bond that does not is the same to the bit as without them."""
+    """Each bond that separates causes a new layout of all; one that does not is bitwise identical to that without them."""
     centres = [(x, 0, z) for x in (0, 0.02, 0.04) for z in (-0.005, 0.005)]
     scene = grains(centres, "-0.006 0.046 -0.0061 0.006 -0.0125 0.0125", processors=processors)
     physics = cement(CELL, 1e-8, axis="radial", damage="damage tensor B0 9.6e3")
@@ -153,7 +153,7 @@ def test_contacts_keep_their_history(tmp_path, figures, boundary, ranks, process
 
 @pytest.mark.parametrize("ranks", [1, 3])
 def test_all_contacts(tmp_path, ranks):
-    """A packing of grains of three sizes in a periodic box, and a pair at a time: the same points, to the bit."""
+    """A packing of grains of three sizes in a periodic box, and a pair at a time: the points are bitwise identical."""
     size = 4 * 2 * RADIUS
     centres = [(2 * RADIUS * i, 2 * RADIUS * j, 2.0001 * RADIUS * k) for i in range(4) for j in range(4) for k in range(2)]
     scene = grains(centres, f"0 {size:.15g} 0 {size:.15g} -0.0061 0.0162", boundary="p p f")

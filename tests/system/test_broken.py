@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A bond that carries nothing any more is broken, though a way over points that hold leads from grain to grain: sheared, struts between slanted
-cracks turn like a linkage. The same on ranks and after a restart."""
+"""A bond that carries nothing any more is broken, though a path over intact points leads from grain to grain: sheared, struts between slanted
+cracks rotate like a linkage. The same on ranks and after a restart."""
 import csv
 import re
 import shutil

@@ -103,7 +103,7 @@ def meshes(directory):
     (1, "hertz", "contacts", True), (1, "hooke", "contacts", False), (2, "hertz", "contacts", False), (2, "hooke", "contacts", True),
     (2, "hertz", "file", True), (1, "hertz", "pair", True)])
 def test_as_in_one_run(tmp_path, ranks, model, form, cement_first):
-    """To the bit: grains, points, histories of contacts, and values of fixes, wherever in the script the cement is made."""
+    """Bitwise identical: grains, points, histories of contacts, and values of fixes, wherever in the script the cement is made."""
     whole, part = tmp_path / "whole", tmp_path / "part"
     meshes(whole)
     meshes(part)

@@ -63,8 +63,8 @@ def test_second_run_beside_a_rank_without_cement(cracks, tmp_path):
 
 
 @pytest.mark.parametrize("points", ["now", "later"])
-def test_bond_wakes_beside_one_that_ranks_cut(points, tmp_path):
-    """The first bond is whole on a rank. It wakes, and gets its points, while the other one is awake."""
+def test_bond_is_activated_beside_one_that_ranks_cut(points, tmp_path):
+    """The first bond is whole on a rank. It is activated, and gets its points, while the other one is resolved."""
     script = chain(THREE, "condense yes", f"points {points}") + DRAGGED + thermo(1, ["f_cem[24]", "f_cem[2]", "f_bond[1][2]", "f_bond[2][2]"]) + "run 1000\n"
     alone, two = (run(script, tmp_path / str(ranks), ranks, minutes=1).table() for ranks in (1, 2))
     awake = alone["f_cem[24]"]
@@ -87,8 +87,8 @@ def test_ids_that_change(ranks, points, tmp_path):
 
 
 @pytest.mark.parametrize("words, step", [("", 0.8), ("", 0.9), ("cracks split", 0.7)])
-def test_debris_that_closes_makes_no_energy(words, step, tmp_path, figures):
-    """Long after bonds came apart, debris is squeezed and torn to any shape. With `unilateral yes` it is stiff where it closes. One bond crosses the end of the box."""
+def test_fragments_that_close_make_no_energy(words, step, tmp_path, figures):
+    """Long after bonds separated, fragments are squeezed and torn to any shape. With `unilateral yes` they are stiff where they close. One bond crosses the end of the box."""
     places = [(0, 0, -0.003), (0, 0, 0.001), (0, 1e-4, 0.005), (0.004, 0, -0.003)]
     script = edit(chain(places, f"unilateral yes timestep auto {step} {words}", "overlap skip", upper=0.007), "boundary     f f f", "boundary     p p p") + DRAGGED
     t = run(script + "fix g all gravity 9.81 vector 1 0 0\n" + thermo(100, ["f_cem[2]", "f_cem[12]", "f_cem[19]"]) + "run 3000\n", tmp_path).table()

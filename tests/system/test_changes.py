@@ -24,7 +24,7 @@ COSTS = {
     "damage_linear": (["material"], {"material/laws.h": LIST}),
     "interface_brittle": (["coupling"], {"coupling/traction_laws.h": LIST}),
     "shape_notch": (["geometry"], {"geometry/shape_styles.cpp": (1, 0)}),
-    # a mechanism of bonds: its field, its row, what it does not go with, the include and the line that makes it
+    # a mechanism of bonds: its field, its row, what it excludes, the include and the line that makes it
     "fix_mpm_drag": (["mpm", "coupling", "cement"], {"cement/bond/options.h": (1, 0), "styles/words/fix_mpm_words.cpp": (1, 0), "styles/words/word_rules.cpp": (1, 0),
                                                      "cement/layout/mechanisms.cpp": (2, 0)}),
 }

@@ -85,7 +85,7 @@ variable     energy equal c_height+c_motion+f_cem[5]+f_cem[6]+f_cem[7]+f_cem[8]+
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_through_failure(ranks, tmp_path, figures):
-    """The example to its end: both bonds come apart, nothing is lost, what rains in collides."""
+    """The example to its end: both bonds separate, nothing is lost, what rains in collides."""
     script = edit(SCRIPT, THERMO, CONTACTS + THERMO)
     table = run(with_columns(script, COLUMNS + ["v_touched", "v_lowest"], 40), start_in(tmp_path), ranks)
     output, table = table.output, table.table()
@@ -100,9 +100,9 @@ def test_through_failure(ranks, tmp_path, figures):
     figures.note(f"rain, {ranks} rank(s): peak force of the pulled pair", f"{peak:.4g} N")
     figures.below(f"rain, {ranks} rank(s): pulled pair at the end, over the peak",
                   abs(table[column(TENSION)][-20:].mean()) / peak, 0.02)
-    working = table["f_cem[11]"] > 0.01 * table["f_cem[11]"].max()  # before, it is relative to next to nothing
+    working = table["f_cem[11]"] > 0.01 * table["f_cem[11]"].max()  # before, it is relative to almost nothing
     figures.below(f"rain, {ranks} rank(s): energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 1e-4)
-    # The smaller beads have a radius of 1 mm; walls as soft as these give way a little.
+    # The smaller beads have a radius of 1 mm; walls as soft as these yield a little.
     figures.below(f"rain, {ranks} rank(s): how deep a bead sinks into the floor, over its radius",
                   (1e-3 - table["v_lowest"].min()) / 1e-3, 0.15)
 
@@ -194,7 +194,7 @@ def test_inserted_into_another_group(ranks, tmp_path):
 
 
 def test_near_the_stable_step(tmp_path, figures):
-    """At nine tenths of the stable step links add fourteen times the mass of the cement, which goes along with the beads."""
+    """At nine tenths of the stable step links add fourteen times the mass of the cement, which moves with the beads."""
     script = edit(shorter(SCRIPT, 7895), "dt     index 1e-7", "dt     index 3.8e-7")
     table = run(with_columns(script, COLUMNS, 500), start_in(tmp_path)).table()
     working = table["f_cem[11]"] > 0.01 * table["f_cem[11]"].max()
@@ -261,6 +261,6 @@ def test_momentum(tmp_path, figures):
     scale = abs(table["v_Pz"]).max()
     for name, drift in (("x", table["v_Px"]), ("y", table["v_Py"]), ("z, with gravity", fall)):
         figures.below(f"rain without walls: drift of momentum, {name}", abs(drift - drift[0]).max() / scale, 3e-11)
-    # Mass goes back to nodes that are not tied any more, which moves the middle of the cement by a hair.
+    # Mass goes back to nodes that are no longer constrained, which moves the middle of the cement by a hair.
     figures.below("rain without walls: drift of angular momentum about the vertical",
                   abs(table["v_Lz"] - table["v_Lz"][0]).max() / (scale * 0.01), 1e-8)

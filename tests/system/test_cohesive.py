@@ -28,8 +28,8 @@ def areas(output):
 
 
 def test_pulled_off_its_grains(tmp_path, figures):
-    """Links let go although no point fails, take Gn times their area, are listed, and the bond is debonded; the same on two ranks and
-    after a restart."""
+    """Links debond although no point fails, take Gn times their area, are listed, and the mode of the bond is debonding; the same on two
+    ranks and after a restart."""
     first = run(scene() + f"run {HALF}\nwrite_restart half\nrun {STEPS - HALF}\n", tmp_path)
     table = first.table()
     assert table["f_bond[18]"][-1] == 0, "points failed"
@@ -55,8 +55,8 @@ def test_pulled_off_its_grains(tmp_path, figures):
 
 @pytest.mark.parametrize("friction", ["", " friction 0.3"])
 def test_sheared_off_its_grains(tmp_path, figures, friction):
-    """The grain is free across the shear, so one side of the bond is pressed, and links let go under pressure. What this stored is released, or
-    taken over by places that touch; what friction's springs store is rubbed where these open again."""
+    """The grain is free across the shear, so one side of the bond is pressed, and links debond under pressure. The energy of the pressure is
+    released, or taken over by contact points; that of friction's springs is frictional dissipation where these open again."""
     motion = edit(pull(0.2, 2e-6, (1, 0, 0)), "variable v_dx v_dy v_dz v_vx v_vy v_vz", "variable v_dx NULL NULL v_vx NULL NULL")
     fixes = cement(CELL, 8e-9, elastic=CALCITE, axis="radial", damage="check 20", couple="kn auto kt auto interface cohesive tn 1e7 tt 1e7 Gn 1.06 Gt 1.06" + friction)
     text = pair(CELL / 2, cement="content 0.01") + CONTACT + fixes + motion + thermo(20, COLUMNS)
@@ -66,7 +66,7 @@ def test_sheared_off_its_grains(tmp_path, figures, friction):
 
 
 B0, G = 9.6e3, 4.0  # strength of the cement: 19 MPa
-# strength of the interface, how cracks split, mode, share of the separating surface at a grain
+# strength of the interface, how cracks split, mode, share of the fracture surface at a grain
 MODES = {"weak interface": (5e6, "bonds", "debonding", (1, 1)), "strong interface": (4e7, "bonds", "internal", (0, 0)), "strong interface, split": (4e7, "split", "internal", (0, 0)),
          "near the boundary": (1.8e7, "bonds", "mixed", (0.5, 0.85)), "near the boundary, split": (1.8e7, "split", "mixed", (0.5, 0.85)), "strong interface, updated": (4e7, "bonds kinematics updated", "internal", (0, 0))}
 
@@ -85,10 +85,10 @@ def cement_of(path):
 
 @pytest.mark.parametrize("case", MODES)
 def test_the_link_or_the_point(case, tmp_path, figures):
-    """Debonding is links that let go, internal failure is points that fail and stay on the grain as a skin: in the mode, the events, the
+    """Links fail by debonding; internal failure is points that fail and stay on the grain as residue: in the mode, the events, the
     columns, the report, the cement that is written, and in the bond that is made of it."""
     strength, cracks, mode, (least, most) = MODES[case]
-    done = run(breaking(strength, cracks) + f"run {600 if mode == 'mixed' else 1000}\nwrite_cement cement.txt\n", tmp_path)  # a mixed surface is told by what broke until it came apart
+    done = run(breaking(strength, cracks) + f"run {600 if mode == 'mixed' else 1000}\nwrite_cement cement.txt\n", tmp_path)  # a mixed surface is found by what broke until the bond separated
     t = done.table()
     listed = events(tmp_path)
     assert t["f_bond[22]"][-1] == 1 and (tmp_path / "bond.csv").read_text().splitlines()[-1].endswith("," + mode)
@@ -107,7 +107,7 @@ def test_the_link_or_the_point(case, tmp_path, figures):
     assert links - holds == len(by_link) and t["f_bond[16]"][-1] == holds
     assert (skins > 50) == (mode != "debonding")
     figures.below(f"{case}: imbalance of the energy", abs(t["f_cem[12]"][t["f_bond"].argmax():]).max(), 0.01)
-    if mode == "debonding" or cracks != "bonds":  # debris of split nodes flies off its lattice
+    if mode == "debonding" or cracks != "bonds":  # fragments of split nodes fly off their lattice
         return
     again = from_file(strength, t) + "fix hold grains move linear 0 0 0\n" + thermo(20, ["f_bond[16]", "f_bond[17]", "f_bond[22]", "f_bond[23]", "f_bond[24]"])
     again = run(again.replace("events events.csv", "").replace("csv 20 bond.csv", "") + "write_cement again.txt\nrun 40\n", tmp_path, name="in.again").table()
@@ -119,8 +119,8 @@ def test_the_link_or_the_point(case, tmp_path, figures):
 
 
 @pytest.mark.parametrize("cracks", ["bonds", "split"])
-def test_a_skin_carries_nothing(tmp_path, figures, cracks):
-    """Half of the points at a grain failed and stayed on it: the bond bears what it bears when these have let go of the grain."""
+def test_residue_carries_nothing(tmp_path, figures, cracks):
+    """Half of the points at a grain failed and stayed on it: the bond carries what it carries when these are debonded from the grain."""
     run(pair(CELL / 2, cement="content 0.01") + "write_cement whole.txt\n", tmp_path)
     c = cement_of(tmp_path / "whole.txt")
     loads = []
@@ -211,7 +211,7 @@ def test_cells_that_do_not_resolve_the_interface(tmp_path, words, formula):
     ("interface cohesive tn 1e9 tt 1e6 Gn 1e-3 Gt 1", "'Gn 0.001' must be above"),
     ("interface glue", "interface"),
 ])
-def test_bad_words(tmp_path, words, message):
+def test_bad_options(tmp_path, words, message):
     done = launch(scene(words) + "run 0\n", tmp_path)
     assert done.status != 0
     assert len(done.errors()) == 1 and message in done.errors()[0], done.output[-1000:]
@@ -226,7 +226,7 @@ def test_another_law_after_a_restart_is_refused(tmp_path):
 
 @pytest.mark.parametrize("words", ["", "basis cubic"])
 def test_struck(words, tmp_path, figures):
-    """A free grain is thrown away from the other: links jump over their peak in a step, open and close, and the books are those of central differences."""
+    """A free grain is thrown away from the other: links jump over their peak in a step, open and close, and the energy balance is that of central differences."""
     cell = 5e-4
     script = (pair(cell / 2, gap=4e-4, cement="content 0.01") + CONTACT
               + cement(cell, 3.9e-8, elastic=CALCITE, axis="radial", damage=f"{words} check 20", couple="kn auto kt auto interface cohesive tn 2e7 tt 4e7 Gn 4 Gt 4")
@@ -237,7 +237,7 @@ def test_struck(words, tmp_path, figures):
 
 
 def test_events_of_points_that_did_not_hold(tmp_path):
-    """By the rule of the paper an event names the grain of a link that let go with its point, not that of one that never held."""
+    """By the rule of the paper an event names the grain of a link that debonded with its point, not that of one that was never bonded."""
     run(pair(CELL / 2, cement="content 0.01") + "write_cement whole.txt\n", tmp_path)
     c = cement_of(tmp_path / "whole.txt")
     loose = (c["area_i"] > 0) & (c["x"] < 0)

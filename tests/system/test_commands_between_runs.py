@@ -9,7 +9,7 @@ ELASTIC = " ".join(f"{e:.15g}" for e in VTI)
 
 
 def row_of_three(step, words):
-    """The first bond is wider, so that it stays condensed while the second is awake. The grain between them is free, and the last is pulled."""
+    """The first bond is wider, so that it stays condensed while the second is resolved. The grain between them is free, and the last is pulled."""
     grains = "".join(f"create_atoms 1 single 0 0 {z} units box\n" for z in (-0.0102, 0, 0.0102))
     return (host() + "region box block -0.008 0.008 -0.008 0.008 -0.03 0.03 units box\ncreate_box 2 box\n" + grains
             + "set type 1 diameter 0.01 density 2500\ngroup grains type 1\n" + NEIGHBOURS

@@ -24,7 +24,7 @@ def test_loads(load, tmp_path, figures):
 
 @pytest.mark.parametrize("content", [0.002, 0.003])
 def test_ring_one_cell_wide(content, tmp_path, figures):
-    """Nodes beside a ring as thin as that move more than its grains, but bear nothing: it is condensed, and wakes to break as the resolved one does."""
+    """Nodes beside a ring as thin as that move more than its grains, but carry nothing: it is condensed, is activated, and breaks as the resolved one does."""
     table = {}
     for word in ("no", "yes"):
         text = pair(2e-4, cement=f"content {content}", radius=1.85e-3)
@@ -57,7 +57,7 @@ def test_rings_that_trim_each_other(tmp_path, figures):
 
 
 def free_pair(word, axis="radial", words=""):
-    """Unequal grains, skew, that fly, turn and swing along all six motions."""
+    """Unequal grains, skew, that fly, rotate and swing along all six motions."""
     text = pair(1e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", direction=(0.36, -0.48, 0.8), half_box=(0.02, 0.02, 0.02))
     text = edit(text, "group        grains type 1\n", "group        grains type 1\nset atom 1 density 750\nset atom 2 density 450\n")
     text += cement(2e-4, 8e-9, axis=axis, couple="kn auto kt auto", damage=f"condense {word} {words}")
@@ -92,7 +92,7 @@ def test_frequency(tmp_path, figures):
 
 
 def test_frequency_of_light_grains(tmp_path, figures):
-    """Grains of six to twelve times their cement. The added mass of the links of the resolved bond goes with the square of the step, and is a tenth
+    """Grains of six to twelve times their cement. The added mass of the links of the resolved bond scales with the square of the step, and is a tenth
     of its cement here; with twice the step it is more than the cement, and the period of the resolved bond 4e-3 longer."""
     found, guess = {}, None
     for word in ("yes", "no"):
@@ -119,7 +119,7 @@ LOADS = {"x": ("0.06 0 0", ""), "y": ("0 0.06 0", ""), "z": ("0 0 0.06", ""),
 
 @pytest.mark.parametrize("shape", [pytest.param(s, marks=[pytest.mark.long] if s == "coating" else []) for s in SHAPES])
 def test_six_loads(shape, tmp_path, figures):
-    """Loads on both grains just before a bond wakes, and just after, when they are those of its links."""
+    """Loads on both grains just before a bond is activated, and just after, when they are those of its links."""
     worst = 0.0
     for load, (velocity, turn) in LOADS.items():
         text = SHAPES[shape] + cement(2e-4, 4e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 condense yes wake 0.01")
@@ -149,7 +149,7 @@ def breaking(word, direction=(0, 0, 1)):
 
 
 @pytest.mark.parametrize("load, direction", [("tension", (0, 0, 1)), ("shear", (1, 0, 0))])
-def test_waking(load, direction, tmp_path, figures):
+def test_activation(load, direction, tmp_path, figures):
     tables = {}
     for word in ("yes", "no"):
         tables[word] = run(breaking(word, direction) + thermo(1, ["f_bond", "f_bond[7]", "f_bond[9]", AWAKE, "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[12]", "f_cem[2]"])
@@ -160,12 +160,12 @@ def test_waking(load, direction, tmp_path, figures):
     at = int(np.argmax(t[AWAKE] > 0))
     assert 100 < at < len(force) - 1 and (t[AWAKE][at:] == 1).all() and (r[AWAKE] == 1).all()
     assert t["f_cem[2]"][at] == 0 and r["f_cem[2]"][at] == 0
-    # what the step after the wake adds beyond the slope of those before
+    # what the step after the activation adds beyond the slope of those before
     jump = abs(force[at + 1] - 2 * force[at] + force[at - 1]) / force[at]
     energy = t["f_cem[5]"] + t["f_cem[6]"] + t["f_cem[7]"]
     figures.below(f"{load}: jump of the force when it wakes", jump, 1e-3)
     figures.below(f"{load}: jump of the energy when it wakes", abs(energy[at + 1] - 2 * energy[at] + energy[at - 1]) / energy[at], 1e-3)
-    balance = t["f_cem[12]"]  # what the bond has more or less than before is booked as released
+    balance = t["f_cem[12]"]  # what the bond has more or less than before is counted as released
     figures.below(f"{load}: jump of the energy imbalance when it wakes", np.abs(np.diff(balance)[at - 1:at + 2]).max(), 5e-10)
     ringing = force[at + 1:at + 200] - resolved[at + 1:at + 200]
     figures.note(f"{load}: largest difference of the force in the 200 steps after", f"{np.abs(ringing).max() / force[at]:.3g}")
@@ -175,7 +175,7 @@ def test_waking(load, direction, tmp_path, figures):
 
 @pytest.mark.parametrize("words", ["", "zeta 0.1", "interface 0.5", "regularization nonlocal 3e-4"])
 def test_threshold(words, tmp_path):
-    """Awake at the threshold itself, a bond is damaged a few steps later, when the resolved one is: the drive is that of the law."""
+    """Activated at the threshold itself, a bond is damaged a few steps later, when the resolved one is: the driving force is that of the law."""
     script = edit(breaking("yes wake 0.999", (1, 0, 0)), "cutoff 0.9", f"cutoff 0.9 {words}" if "regul" not in words else "cutoff 0.9")
     if "regul" in words:
         script = edit(script, "check 10", f"check 10 {words}")
@@ -231,7 +231,7 @@ def test_restart_of_one_condensed_again(tmp_path):
 
 @pytest.mark.parametrize("cracks", [pytest.param("bonds", marks=pytest.mark.long), "split"])
 def test_momentum_of_one_condensed_again(cracks, tmp_path, figures):
-    """Free grains swing apart, their bond wakes, is damaged, and is condensed again."""
+    """Free grains swing apart, their bond is activated, damaged, and condensed again."""
     text = BREAKING + cement(2e-4, 4e-9, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check 10 condense yes cracks {cracks}")
     text += "velocity first set 0.3 0 0.93\nvelocity second set 0.3 0 1.07\nfix motion grains nve/sphere\n"
     t = run(text + MOMENTA + thermo(10, MOMENTUM_COLUMNS + [AWAKE, "f_cem[8]", "f_cem[12]"]) + "run 3000\n", tmp_path).table()
@@ -245,7 +245,7 @@ def test_momentum_of_one_condensed_again(cracks, tmp_path, figures):
 
 
 def test_velocity_between_runs(tmp_path, figures):
-    """Commands that change the velocity of grains that move already give energy to their condensed cement, which is booked as work."""
+    """Commands that change the velocity of grains that move already give energy to their condensed cement, which is counted as work."""
     text = free_pair("yes") + "velocity grains set 0 0.2 1\n" + thermo(10, ["f_cem[5]", "f_cem[12]", AWAKE])
     t = run(text + "run 50\nvelocity grains set 0.5 0 2\nrun 50\nvelocity grains set -0.5 0 0.1\nrun 50\n", tmp_path).table()
     assert (t[AWAKE] == 0).all() and t["f_cem[5]"].max() > 3 * t["f_cem[5]"][5] > 0
@@ -304,7 +304,7 @@ def test_work_of_gravity(held, ranks, tmp_path, figures):
 
 @pytest.mark.parametrize("words", ["", "regularization nonlocal 3e-4"], ids=["local", "nonlocal"])
 def test_ranks(words, tmp_path):
-    """A bond that ranks cut wakes at the same step and is separated by the same failures. Averages are over the points of all ranks."""
+    """A bond that ranks cut is activated at the same step and is separated by the same failures. Averages are over the points of all ranks."""
     script = edit(breaking("yes"), "check 10", f"check 10 {words}")
     tables = {ranks: run(script + thermo(10, ["f_bond", AWAKE, "f_cem[2]", "f_cem[19]"]) + "run 3000\n", tmp_path / str(ranks), ranks).table()
               for ranks in (1, 2, 4)}
@@ -316,7 +316,7 @@ def test_ranks(words, tmp_path):
 
 @pytest.mark.parametrize("at", [400, 700])
 def test_restart(at, tmp_path):
-    """While it is condensed, and awake: the same to the bit."""
+    """While it is condensed, and while it is resolved: bitwise identical."""
     columns = ["f_bond", AWAKE, "f_cem[2]", "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[12]"]
     script = breaking("yes")
     whole = run(script + thermo(50, columns) + f"run {at}\nwrite_restart r\nrun 600\n", tmp_path, 2).table()
@@ -362,7 +362,7 @@ def test_condensed_no_more(tmp_path):
 
 
 def test_flight(tmp_path, figures):
-    """A pair that spins fast, whatever its turn: momenta, and the load by the centripetal force, as of the resolved one."""
+    """A pair that spins fast, whatever its rotation: momenta, and the load by the centripetal force, as of the resolved one."""
     found = {}
     for word in ("yes", "no"):
         text = pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", half_box=(0.02, 0.02, 0.02)) + cement(4e-4, 1.6e-8, damage=f"condense {word}")
@@ -377,8 +377,8 @@ def test_flight(tmp_path, figures):
     figures.below("spinning pair: mean kinetic energy of the cement against resolved", abs(t["f_cem[5]"].mean() / r["f_cem[5]"].mean() - 1), 1e-3)
 
 
-def test_waking_of_one_that_turned(tmp_path, figures):
-    """After a fifth of a turn: the axes of its material have turned with it, so its force goes on."""
+def test_activation_of_one_that_rotated(tmp_path, figures):
+    """After a fifth of a revolution: the axes of its material have rotated with it, so its force goes on."""
     words = [cement(4e-4, 1.6e-8, damage=f"damage tensor B0 9.6e3 condense yes wake {wake}", axis="bond") for wake in (1, 1e-9)]
     text = pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", half_box=(0.02, 0.02, 0.02))
     run(text + words[0] + SPINNING + "run 12000\nwrite_restart r\n", tmp_path)
@@ -390,7 +390,7 @@ def test_waking_of_one_that_turned(tmp_path, figures):
 
 
 def test_stiffness_of_condensed_bonds(tmp_path):
-    """In flight, and after a restart: the matrix turns with the bond, by a fifth of a turn here."""
+    """In flight, and after a restart: the matrix rotates with the bond, by a fifth of a revolution here."""
     text = pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", half_box=(0.02, 0.02, 0.02)) + cement(4e-4, 1.6e-8, damage="condense yes", axis="bond") + SPINNING
     run(text + "bond_stiffness a.csv\nrun 25000\nbond_stiffness b.csv\nwrite_restart r\n", tmp_path)
     run(restarted("r") + cement(4e-4, 1.6e-8, damage="condense yes", axis="bond") + "bond_stiffness c.csv\n", tmp_path, 2)
@@ -404,7 +404,7 @@ def test_stiffness_of_condensed_bonds(tmp_path):
 
 
 def test_memory(tmp_path):
-    """Fields of a condensed bond take 288 bytes a point and 144 a node. They are told with what the bond takes that waits, by this fix and by LIGGGHTS."""
+    """Fields of a condensed bond take 288 bytes a point and 144 a node. They are printed with what the condensed bond takes, by this fix and by LIGGGHTS."""
     took = {}
     for word in ("yes", "no"):
         output = run(free_pair(word) + "run 1\n", tmp_path / word).output
@@ -415,7 +415,7 @@ def test_memory(tmp_path):
 
 
 def test_packing(tmp_path, figures):
-    """examples/packing, smaller: free beads with many bonds each. The same bonds come apart at the same steps, by the same modes."""
+    """examples/packing, smaller: free beads with many bonds each. The same bonds separate at the same steps, by the same modes."""
     script = (ROOT / "examples" / "packing" / "in.packing").read_text()
     apart, force = {}, {}
     for word in ("yes", "no"):
@@ -436,11 +436,11 @@ def test_packing(tmp_path, figures):
 
 
 def test_packing_on_eight_ranks(tmp_path):
-    """examples/packing, smaller, on as many ranks as a cube has corners: the same points fail at the same steps, the same bonds come apart, wake and stay condensed."""
+    """examples/packing, smaller, on as many ranks as a cube has corners: the same points fail at the same steps, the same bonds separate, are activated and stay condensed."""
     script = (ROOT / "examples" / "packing" / "in.packing").read_text().replace("custom step ", "custom step f_cem[24] f_cem[19] ")
     cement_made, rest = script.index("communicate  single vel yes group"), script.index("fix          kn")
     words = ["-var", "condense", "yes", "-var", "side", "3", "-var", "steps", "500", "-var", "record", "10"]
-    run(script[:rest] + "write_restart made.restart\n", tmp_path, arguments=words)  # IDs of beads that LIGGGHTS makes go by its ranks
+    run(script[:rest] + "write_restart made.restart\n", tmp_path, arguments=words)  # IDs of beads that LIGGGHTS makes depend on its ranks
     start, told = script[:script.index("region       box")], {}
     for ranks, processors in ((1, "1 1 1"), (8, "2 2 2")):
         settings = "\n".join(line for line in script[cement_made:rest].splitlines() if not line.startswith("create_cement"))

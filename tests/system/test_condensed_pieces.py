@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""fix mpm ... condense yes: bonds that came apart become a rigid piece of each grain, against resolved ones."""
+"""fix mpm ... condense yes: separated bonds become a rigid piece of each grain, against resolved ones."""
 import re
 
 import numpy as np
@@ -22,7 +22,7 @@ COLUMNS = ["f_bond"] + [f"f_bond[{n}]" for n in (1, 2, 3, 7, 8, 9)] + [AWAKE, SE
 
 
 def when(t):
-    """Rows in which the bond wakes, is separated, and is condensed again; each once."""
+    """Rows in which the bond is activated, separated, and condensed again; each once."""
     change = np.flatnonzero(np.diff(t[AWAKE])) + 1
     assert list(t[AWAKE][change]) == [1, 0], (change, t[SEPARATED][-1])
     apart = int(np.argmax(t[SEPARATED] > 0))
@@ -65,7 +65,7 @@ def test_at_rest(name, tmp_path, figures):
     figures.below(f"{name}: their velocities over that of the grain", off[1].max(), 1e-3)
 
 
-# They turn together, and a little against each other, while they are torn apart.
+# They rotate together, and a little against each other, while they are torn apart.
 FREE = """\
 variable     vx atom "1500*z+0.4"
 variable     vz atom "-1500*x+100*z"
@@ -78,12 +78,12 @@ fix          motion grains nve/sphere
 
 
 def free(word, words=""):
-    """Free grains fly apart, and turn by more than a third of a turn with their pieces."""
+    """Free grains fly apart, and rotate by more than a third of a revolution with their pieces."""
     return broken(word, words, motion=FREE, half_box=(0.02, 0.02, 0.02))
 
 
 def test_flight(tmp_path, figures):
-    """Momentum and angular momentum of grains and pieces, and the energy of the pieces, while both turn; the way against the resolved pair."""
+    """Momentum and angular momentum of grains and pieces, and the energy of the pieces, while both rotate; the path against that of the resolved pair."""
     tables, points = {}, {}
     for word in ("yes", "no"):
         columns = MOMENTUM_COLUMNS + [AWAKE, SEPARATED] + [f"f_cem[{n}]" for n in (2, 5, 6, 7, 8, 12)]
@@ -122,7 +122,7 @@ STATE = MOMENTUM_COLUMNS + [AWAKE, SEPARATED] + [f"f_cem[{n}]" for n in (2, 5, 6
 
 
 def test_a_run_in_parts(tmp_path):
-    """Ended and gone on with in the very step in which the bond wakes, or is condensed, or while its pieces are found at rest, and from files of these steps: the same to the bit."""
+    """Ended and continued in the very step in which the bond is activated, or is condensed, or while its pieces are found at rest, and from files of these steps: bitwise identical."""
     script, steps = free("yes"), 14000
     whole = run(script + MOMENTA + thermo(1, STATE) + f"run {steps}\n", tmp_path).table()
     wakes, _, rests = when(whole)
@@ -152,7 +152,7 @@ def test_ranks(tmp_path):
 
 
 def test_over_the_cuts_of_ranks(tmp_path, figures):
-    """Pieces that were condensed on one rank turn into the bricks of others, are cut by ranks, and give their grains the same loads as on one rank."""
+    """Pieces that were condensed on one rank rotate into the subdomains of others, are cut by ranks, and give their grains the same loads as on one rank."""
     quantities = point_quantities(["failed"]) + dump(40000, ["x", "y", "z", "vx", "vy", "vz"])
     found = {}
     for ranks, grid in ((1, "* * *"), (2, "2 1 1")):
@@ -188,7 +188,7 @@ def test_fall(substeps, tmp_path, figures):
 
 
 def test_halves_on_two_ranks(tmp_path, figures):
-    """A bond that broke through its waist is condensed on one rank, and its halves go apart over the cut between ranks: momentum stays, and so does the energy."""
+    """A bond that broke through its waist is condensed on one rank, and its halves move apart over the cut between ranks: momentum stays, and so does the energy."""
     columns = MOMENTUM_COLUMNS + [AWAKE, SEPARATED, "f_cem[5]", "f_cem[12]"]
     found = {}
     for ranks, grid in ((1, "* * *"), (2, "1 1 2")):
@@ -209,8 +209,8 @@ def test_halves_on_two_ranks(tmp_path, figures):
         figures.below(f"{ranks} ranks: kinetic energy of the cement against one rank", np.abs(t["f_cem[5]"] / one["f_cem[5]"] - 1).max(), 2e-14)
 
 
-def test_energy_of_dust_is_the_same_in_flight(tmp_path, figures):
-    """What is damped when a broken bond is condensed does not depend on the speed of the flight: what grains gain with the momentum of dust is work."""
+def test_energy_of_fragments_is_the_same_in_flight(tmp_path, figures):
+    """What is damped when a broken bond is condensed does not depend on the speed of the flight: what grains gain with the momentum of fragments is work."""
     taken = {}
     for V in (0, 30, -30):
         motion = f"velocity grains set 0 0 {V}\nvelocity second set 0 0 {V + 2.0}\nset group second omegax 1000\nfix free grains nve/sphere\n"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import CALCITE, MOMENTA, MOMENTUM_COLUMNS, RING, SPINNING, cement, edit, pair, restarted, run, thermo
 
-# Grain 2 leaves, and turns about the bond while it does.
+# Grain 2 leaves, and rotates about the bond while it does.
 LEAVING = """\
 velocity     second set 0.1 0.2 0.6
 set          group second omegaz 200
@@ -38,11 +38,11 @@ def test_breaking_pair(tmp_path, figures):
     assert table["f_bond[17]"][-1] > 1000 and table["f_bond[22]"][-1] == 1 and abs(force[-40:].mean()) < 0.1 * force.max(), "not broken"
     linear, angular = drift(table)
     figures.below("breaking pair: drift of momentum", linear, 1e-13)
-    # Mass goes back to nodes beside the crack, which are not tied any more. That moves the middle of the cement by a hair.
+    # Mass goes back to nodes beside the crack, which are no longer constrained. That moves the middle of the cement by a hair.
     figures.below("breaking pair: drift of angular momentum", angular, 1e-6)
 
 
-# A free grain is pressed on the cement, which breaks, lets go and touches again. Added mass comes and goes with places that touch, and transfers
+# A free grain is pressed on the cement, which breaks, debonds and touches again. Added mass comes and goes with contact points, and transfers
 # change the velocities of nodes that have some. Grains take the impulse of that in two halves.
 PRESSED = {"friction": ("damage tensor B0 9.6e3 cutoff 0.9 check 20", " friction 0.3"),
            "friction, split": ("damage tensor B0 9.6e3 cutoff 0.9 check 20 cracks split unilateral yes", " friction 0.3"),
@@ -67,7 +67,7 @@ def test_grains_take_impulses_in_two_halves(tmp_path, figures, words):
     for kind, table in (("run", whole), ("run in parts", parts)):
         linear, angular = drift(table)
         figures.below(f"{words}: drift of momentum at any step of a {kind}", linear, 4e-14)
-        if words == "updated":  # the others change it by more: ties are given up, and pic filters it
+        if words == "updated":  # the others change it by more: constraints are given up, and pic filters it
             figures.below(f"{words}: drift of angular momentum at any step of a {kind}", angular, 1e-13)
     steps, ends = np.unique(parts["step"], return_index=True)  # of two rows of a step the one that ends a run
     assert (steps == whole["step"]).all()
@@ -79,8 +79,8 @@ def test_grains_take_impulses_in_two_halves(tmp_path, figures, words):
 
 
 @pytest.mark.parametrize("cracks, limit", [("bonds", 6e-7), ("split", 5e-6)])
-def test_breaking_pair_with_ties(tmp_path, figures, cracks, limit):
-    """Edges are tied, so mass goes back to nodes where ties are given up: nodes that split give up most."""
+def test_breaking_pair_with_constrained_nodes(tmp_path, figures, cracks, limit):
+    """Nodes at edges are constrained, so mass goes back to them where constraints are given up: nodes that split give up most."""
     script = (pair(1.5e-4, gap=6e-4, cement="outer 1.5e-3", half_box=3 * (18e-3,))
               + cement(3e-4, 2.4e-8, damage=f"damage tensor B0 9.6e3 cracks {cracks}", couple="kn auto kt auto")
               + LEAVING + MOMENTA + thermo(5, MOMENTUM_COLUMNS + ["f_bond[22]"]) + "run 400\n")
@@ -92,7 +92,7 @@ def test_breaking_pair_with_ties(tmp_path, figures, cracks, limit):
 
 
 def test_energy_where_layouts_are_made_often(tmp_path, figures):
-    """A breaking pair goes from rank to rank, with a new layout in steps that look for parts: the energies are those of one rank."""
+    """A breaking pair goes from rank to rank, with a new layout in steps that check for pieces: the energies are those of one rank."""
     def table(ranks):
         script = pair(1e-4, boundary="p f f", processors="* 1 1")
         script = edit(script, "neigh_modify include grains delay 0", "neigh_modify include grains every 1 delay 0 check no")
@@ -113,7 +113,7 @@ def test_energy_where_layouts_are_made_often(tmp_path, figures):
 
 @pytest.mark.parametrize("cracks, friction", [("bonds", ""), ("split", ""), ("split", " friction 0.3")])
 def test_flight_changes_nothing(tmp_path, figures, cracks, friction):
-    """A pair is pulled apart while it flies: masses of nodes change where ties are given up, added mass where places let go, and the velocity of the flight must not show."""
+    """A pair is pulled apart while it flies: masses of nodes change where constraints are given up, added mass where links debond, and the velocity of the flight must not show."""
     def table(V, boundary="f f f", ranks=1):
         script = (pair(1.5e-4, gap=6e-4, cement="outer 1.5e-3", half_box=3 * (18e-3,), boundary=boundary)
                   + cement(3e-4, 2.4e-8, damage=f"damage tensor B0 9.6e3 cracks {cracks}", couple="kn auto kt auto" + friction)

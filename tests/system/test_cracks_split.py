@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Nodes that split where a crack has parted the cement (`cracks split`): ranks, restart, momentum, energy, and that nothing pulls across."""
+"""Nodes that split where a crack runs through the cement (`cracks split`): ranks, restart, momentum, energy, and that nothing pulls across."""
 import shutil
 
 import numpy as np
@@ -51,8 +51,8 @@ def test_same_on_ranks(one_rank, tmp_path, figures, ranks, processors):
                   (p["c_failed"] != q["c_failed"]).sum(), 0)
 
 
-def test_tents_on_ranks(tmp_path, figures):
-    """The added mass goes by the eigenvalue, which is found anew where nodes split: of whole bonds, whoever has them."""
+def test_hat_functions_on_ranks(tmp_path, figures):
+    """The added mass depends on the eigenvalue, which is found anew where nodes split: of whole bonds, whichever rank has them."""
     tables = {n: run(pair(CELL / 2, processors=processors, **BOND) + edit(pulled(), "mpm cell", "mpm basis linear cell") + "run 420\n", tmp_path / str(n), n).table()
               for n, processors in ((1, "* * *"), (2, "1 1 2"))}
     one, two = tables.values()
@@ -62,7 +62,7 @@ def test_tents_on_ranks(tmp_path, figures):
 
 @pytest.mark.parametrize("off", ["7.5e-5 0 0", "0 7.5e-5 7.5e-5"])
 def test_points_on_faces_of_cells(tmp_path, figures, off):
-    """The grid is half a spacing off, so that points lie where the supports of nodes end: copies of nodes may have no more of them than rounding."""
+    """The grid is half a spacing off, so that points lie where the supports of nodes end: phantom nodes may have no more of them than rounding."""
     t = run(pair(CELL / 2, **{**BOND, "cement": f"inner 1e-3 outer 2.2e-3 grid {off}"}) + pulled() + f"run {BEFORE + AFTER}\n", tmp_path).table()
     assert t["f_bond[18]"][-1] > 500 and t["f_bond[22]"][-1] == 1
     figures.below(f"cracks split, grid {off} off: energy imbalance through failure", abs(t["f_cem[12]"][10:]).max(), 0.01)
@@ -91,8 +91,8 @@ MENISCUS = dict(shape="meniscus", cement="neck 1.6e-3 inner 8e-4")
                          ids=["flat", "damped", "meniscus"])
 @pytest.mark.parametrize("ranks, processors", [(1, "* * *"), (2, "1 1 2")])
 def test_failed_points_without_nodes(tmp_path, figures, bond, cell, dt, words, speed, steps, ranks, processors):
-    """Blocks whose points have all failed borrow nodes. With `skip failed no` they have nodes of their own, and go through the pass. In the
-    meniscus points that hold join such blocks again."""
+    """Blocks whose points have all failed have aliases of nodes. With `skip failed no` they have nodes of their own, and go through the pass. In the
+    meniscus intact points join such blocks again."""
     found = []
     for skip in ("yes", "no"):
         found.append(run(pair(cell / 2, processors=processors, **bond) + cement(cell, dt, axis="radial", damage=f"{words} skip failed {skip}")
@@ -108,7 +108,7 @@ def test_failed_points_without_nodes(tmp_path, figures, bond, cell, dt, words, s
 
 @pytest.mark.parametrize("cracks", ["split", "bonds"])
 def test_damped_sides_on_ranks(tmp_path, figures, cracks):
-    """Each side of a bond that came apart is damped against its own grain. Which nodes these are no rank decides."""
+    """Each side of a separated bond is damped against its own grain. Which nodes these are does not depend on ranks."""
     tables = []
     for ranks, processors in ((1, "* * *"), (2, "1 1 2")):
         words = f"{DAMAGE} quasistatic 1 0.1".replace("cracks split", f"cracks {cracks}")
@@ -120,7 +120,7 @@ def test_damped_sides_on_ranks(tmp_path, figures, cracks):
 
 
 def test_strain_of_failed_points_while_condensed(tmp_path, figures):
-    """Points that failed in a file have no nodes of their own. What is shown of them while the bond is condensed, and after it woke, is that of those that have."""
+    """Points that failed in a file have no nodes of their own. What is shown of them while the bond is condensed, and after it was activated, is that of those that have."""
     cell, steps, columns = 2e-4, 400, ["strain_xx", "strain_zz", "axis_x", "axis_z"]
     bond = dict(gap=4e-4, shape="flat")
     run(pair(cell / 2, cement="inner 0 outer 1.5e-3", **bond) + "write_cement cement.txt\n", tmp_path / "made")
@@ -148,8 +148,8 @@ def test_strain_of_failed_points_while_condensed(tmp_path, figures):
 
 @pytest.mark.parametrize("gap, edge, outer, cracked, ranks", [(0.0, "", 2e-3, True, 1), (0.0, "", 2e-3, True, 2), (2e-4, "edge free", 2e-3, True, 1),
                                                               (0.0, "edge free", 1.7e-3, False, 1)])
-def test_what_holds_by_next_to_nothing_stays_resolved(tmp_path, gap, edge, outer, cracked, ranks):
-    """Points of a ring failed in a file, or its edge is free. Where nodes hold by next to nothing statics have them off by metres: such a bond is not condensed.
+def test_what_holds_by_almost_nothing_stays_resolved(tmp_path, gap, edge, outer, cracked, ranks):
+    """Points of a ring failed in a file, or its edge is free. Where nodes hold by almost nothing, statics moves them by metres: such a bond is not condensed.
 
     The last one has its fields, but they make it 19 times as heavy as it is.
     """
@@ -204,7 +204,7 @@ def test_run_in_parts(tmp_path, figures, ranks, processors):
 
 
 def test_damping_of_the_sides(tmp_path, figures):
-    """A bond that came apart under a moving grain rings on; quasistatic damps each side against its own grain."""
+    """A bond that separated under a moving grain rings on; quasistatic damps each side against its own grain."""
     left = {}
     for damping in (0.0, 0.2):
         words = f"quasistatic 1 {damping}"
@@ -216,7 +216,7 @@ def test_damping_of_the_sides(tmp_path, figures):
     figures.below("cracks split: ringing with quasistatic damping, over that without", left[0.2] / left[0.0], 0.1)
 
 
-def test_other_word(one_rank, tmp_path):
+def test_other_option(one_rank, tmp_path):
     shutil.copy(one_rank.directory / "middle.restart", tmp_path)
     other = launch(edit(restarted("middle.restart") + pulled() + "run 1\n", "cracks split", "cracks bonds"), tmp_path)
     assert other.status != 0 and "'cracks bonds' but the restart file was written with 'cracks split'" in other.output
@@ -224,7 +224,7 @@ def test_other_word(one_rank, tmp_path):
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_momentum(tmp_path, figures, ranks):
-    """Free grains fly apart: what splits keeps momentum and angular momentum."""
+    """Free grains fly apart: node splitting keeps momentum and angular momentum."""
     leaving = "velocity second set 0.3 -0.2 1\nfix motion grains nve/sphere\n"
     table = run(pair(CELL / 2, **{**BOND, "half_box": 3 * (16e-3,)})
                 + cement(CELL, 8e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 cracks split", couple="kn 2e12 kt 3e11")
@@ -239,7 +239,7 @@ def test_momentum(tmp_path, figures, ranks):
 
 
 def test_momentum_where_supports_end(tmp_path, figures):
-    """The grid is half a spacing off: all that holds of a node may lie where its support ends, and it keeps what failed points left there."""
+    """The grid is half a spacing off: all intact material of a node may lie where its support ends, and the node keeps what failed points left there."""
     table = run(pair(CELL / 2, gap=6e-4, cement="outer 1.5e-3 grid 7.5e-5 7.5e-5 0", half_box=3 * (16e-3,))
                 + cement(CELL, 2.4e-8, elastic=(6e10, 6e10, 0.2, 0.2, 2.5e10), damage="damage tensor B0 9.6e3 cracks split", couple="kn auto kt auto")
                 + "velocity second set 0.1 0.15 0.5\nfix motion grains nve/sphere\n" + MOMENTA
@@ -272,7 +272,7 @@ def test_cut_but_for_a_point(tmp_path, figures):
 
 
 def test_new_cement_leaves_other_bonds_alone(tmp_path, figures):
-    """A bond is made while another one breaks, between two looks at what came apart."""
+    """A bond is made while another one breaks, between two checks for separation."""
     third = "create_atoms 1 single -0.0098 0 -0.003 units box\n"
     scene = edit(pair(CELL / 2, shape="flat", cement="inner 1e-3 outer 2.2e-3", half_box=3 * (15e-3,)), "set          type 1", third + "set          type 1")
     columns = [f"f_bond[1][{n}]" for n in (14, 18)]

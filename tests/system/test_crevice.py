@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Bonds whose shells have nodes of their own across the crevice beyond the ring where they meet, until they break.
+"""Bonds whose shells have nodes of their own on the two sides of the unbonded gap beyond the ring where they meet, until they break.
 
 The bond lies askew in the box. What its stiffness is, test_bond_stiffness.py measures.
 """
@@ -58,14 +58,14 @@ def test_restart(one_rank, tmp_path, figures):
 
 
 def test_other_restart_edge(one_rank, tmp_path):
-    """Points of a file with sheets are not run without."""
+    """Points of a file with an unbonded gap are not run without it."""
     shutil.copy(one_rank.directory / "middle.restart", tmp_path)
     other = launch(restarted("middle.restart") + CONTACT + pulled("edge free") + "run 1\n", tmp_path)
     assert other.status != 0 and "'edge" in other.output
 
 
-def test_after_it_came_apart(tmp_path, figures):
-    """Free grains fly away; parts ring, but nothing pulls across the crack, and momenta are kept."""
+def test_after_it_separated(tmp_path, figures):
+    """Free grains fly away; pieces ring, but nothing pulls across the crack, and momenta are kept."""
     leaving = "velocity second set 0.3 -0.2 1\nfix motion grains nve/sphere\n"
     table = run(pair(CELL / 2, **{**SHELLS, "half_box": 3 * (16e-3,)})
                 + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
@@ -79,7 +79,7 @@ def test_after_it_came_apart(tmp_path, figures):
     scale = np.linalg.norm(P[:3, 0])
     figures.below("shells come apart: drift of momentum", linear / scale, 9e-14)
     figures.below("shells come apart: drift of angular momentum over momentum and radius", angular / (scale * 5e-3), 1e-13)
-    # of order dt^2; in the first 100 steps there is next to no energy to compare with
+    # of order dt^2; in the first 100 steps there is almost no energy to compare with
     figures.below("shells come apart: energy imbalance", abs(table["f_cem[12]"][5:]).max(), 0.005)
 
 
@@ -102,8 +102,8 @@ def weakened(directory, file):
     file.write_text("\n".join(lines) + "\n")
 
 
-def test_a_sheet_on_each_rank(tmp_path, figures):
-    """A bond in flight that comes apart at one grain: nodes of what is left of the other sheet come from the other rank."""
+def test_a_side_of_the_gap_on_each_rank(tmp_path, figures):
+    """A bond in flight that separates at one grain: nodes of what is left on the other side of the gap come from the other rank."""
     weakened(tmp_path, tmp_path / "weak.txt")
     results = []
     for ranks, processors in ((1, "1 1 1"), (2, "1 1 2")):
@@ -129,7 +129,7 @@ def test_a_sheet_on_each_rank(tmp_path, figures):
 
 @pytest.mark.parametrize("grid", [(0, 0, 0), (2e-5, 0, 5e-5), (2.5e-5, 2.5e-5, 2.5e-5), (5e-5, 5e-5, 5e-5), (1e-4, 0, 0)])
 def test_lattice_off_the_grid(tmp_path, figures, grid):
-    """Where the lattice lies in the grid is no reason to find crevices in the cement, and does not stiffen it."""
+    """Where the lattice lies in the grid is no reason to find gaps in the cement, and does not stiffen it."""
     scene = pair(CELL / 2, **{**SHELLS, "direction": (0, 0, 1)})
     scene = edit(scene, f"spacing {CELL / 2:.15g}\n", f"spacing {CELL / 2:.15g} grid {grid[0]:g} {grid[1]:g} {grid[2]:g}\n")
     tail = pull(4.0, 1e-6) + thermo(20, ["f_bond"]) + "run 200\n"
@@ -151,7 +151,7 @@ def full_cells(file, offset, R=5e-3, thickness=4e-4):
 
 @pytest.mark.parametrize("offset, spacing", [((0, 0, 0), 1e-4), ((2e-5, 0, 3e-5), 1e-4), ((-1.5e-5,) * 3, 1e-4), ((0, 0, 0), 9.5e-5)])
 def test_points_of_a_file(tmp_path, figures, offset, spacing):
-    """Points lie anywhere in their cells; with a spacing that is not theirs, empty planes are no crevice, and there is a warning."""
+    """Points lie anywhere in their cells; with a spacing that is not theirs, empty planes are no gap, and there is a warning."""
     full_cells(tmp_path / "points.txt", offset)
     scene = pair(CELL / 2, half_box=3 * (12.5e-3,))
     scene = scene[:scene.index("create_cement")] + f"create_cement calcite pair 1 2 file {tmp_path}/points.txt spacing {spacing:g}\n"
@@ -162,8 +162,8 @@ def test_points_of_a_file(tmp_path, figures, offset, spacing):
     assert ("use the spacing of the points" in runs[0].output) == (spacing < 1e-4)
 
 
-def test_thin_shells_come_apart(tmp_path):
-    """Cut cells on both sides of the crevice share a face of the lattice, but their material does not touch."""
+def test_thin_shells_separate(tmp_path):
+    """Cut cells on both sides of the unbonded gap share a face of the lattice, but their material does not touch."""
     thin = pair(CELL / 2, gap=2e-4, shape="coating", cement="thickness 2e-4 cap 20", half_box=3 * (12.5e-3,))
     out = run(thin + CONTACT + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e4 cutoff 0.9") + pull(4.0, 1e-6)
               + thermo(50, ["f_bond", "f_bond[22]"]) + "run 600\n", tmp_path)
@@ -171,7 +171,7 @@ def test_thin_shells_come_apart(tmp_path):
 
 
 def test_taken_over_by_other_kinematics(tmp_path, figures):
-    """A fix without sheets takes up points that had them."""
+    """A fix with `edge free` takes over points whose nodes were split at a gap."""
     first = pair(CELL / 2, **SHELLS) + CONTACT + cement(CELL, 5e-9, axis="radial")
     again = "fix cem calcite mpm cell 2e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 axis radial edge free\nfix bond grains mpm/couple cem\n"
     move = pull(4.0, 4e-6, ASKEW) + thermo(1, ["f_bond"])
@@ -184,7 +184,7 @@ def test_taken_over_by_other_kinematics(tmp_path, figures):
 
 @pytest.mark.parametrize("words", ["", "cracks split"])
 def test_written_before_the_first_run(words, tmp_path):
-    """What is written when fix mpm has been defined, but made no step, is the bond with its crevice."""
+    """What is written when fix mpm has been defined, but made no step, is the bond with its unbonded gap."""
     made = pair(CELL / 2, **SHELLS)
     fixes = CONTACT + pulled(words)
     one = run(made + fixes + "run 0\nrun 200\n", tmp_path / "one").table()

@@ -9,7 +9,7 @@ the finite elements, which are the reference (tests/verification/bond_fe.py, har
 
 Points sit at the centroids of their parts of the cylinder, so they carry its second moment of area with an error of
 order 2 (0.5 % at 8 cells across and two points a cell and direction). At the ends, where the stress is singular at the rim
-(Poisson) and the grid need not fit the sphere, at least order 1 is to be expected. This part jumps: spheres this large
+(Poisson) and the grid need not fit the sphere, at least order 1 is to be expected. This contribution jumps: spheres this large
 are nearly planes of the lattice, and what reaches less than a twelfth of a spacing into a layer gets no points there
 (six samples a direction in cut cells); with 16 samples the errors in shear are -3.2, -1.6, -1.1 and -0.4 %. The order
 is therefore that of the line through four sizes, not of two.

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What may leave the scene: debris that holds to no grain, and grains whose bonds are separated, with their cement. It is counted,
-its mass, momentum and energy are booked, and the run goes on. What is joined stops the run."""
+"""What may leave the scene: fragments that are attached to no grain, and grains whose bonds are separated, with their cement.
+Their number, mass, momentum and energy are counted, and the run goes on. What is joined stops the run."""
 import csv
 
 import numpy as np
@@ -60,15 +60,15 @@ def test_grain_leaves(tmp_path, figures, ranks):
 
 @pytest.mark.parametrize("more, couple, energy", [("cracks split", "", 1.3e-5), ("cracks split subcycle 2", "", 2e-5), ("cracks split", "friction 0.3", 1.3e-4),
                                                   ("condense yes", "", 4e-15), ("condense yes cracks split", "", 4e-15)])
-def test_what_holds_to_the_other_grain_stays(tmp_path, figures, more, couple, energy):
+def test_what_is_connected_to_the_other_grain_stays(tmp_path, figures, more, couple, energy):
     t = run(scene(more, couple=couple) + "run 2000\n", tmp_path).table()
     check_books(t, figures, f"{more} {couple}", energy)
     assert t["atoms"][-1] == 1 + t[POINTS][-1] > 1
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
-def test_crumbs_leave(tmp_path, figures, ranks):
-    """What failed falls out of the box sideways. What holds to the beads stays."""
+def test_fragments_leave(tmp_path, figures, ranks):
+    """What failed falls out of the box sideways. What is connected to the beads stays."""
     t = run(scene(side=0.0025, high=0.012, extra=WEIGHT) + "run 2000\n", tmp_path, ranks).table()
     check_books(t, figures, f"{ranks} ranks", 3e-5)
     figures.below(f"{ranks} ranks: imbalance of the energy, with nodes that split later", max(abs(t[IMBALANCE])), 1e-3)
@@ -77,7 +77,7 @@ def test_crumbs_leave(tmp_path, figures, ranks):
 
 @pytest.mark.parametrize("couple, ranks", [("", 1), ("friction 0.3", 2)])
 def test_goes_on_from_a_file(tmp_path, couple, ranks):
-    """A run goes on to the bit after a departure, and before one that is still to come."""
+    """A run goes on bitwise identically after a departure, and before one that is still to come."""
     for first in (600, 1500):
         a = run(scene(side=0.0025, extra=WEIGHT, couple=couple) + f"run {first}\nwrite_restart middle.restart\nprint MIDDLE\nrun 800\n", tmp_path, ranks)
         b = run(restarted("middle.restart") + fixes("cracks split", 1e5, WEIGHT, couple) + "run 800\n", tmp_path, ranks, name="in.continued")
@@ -98,15 +98,15 @@ def test_leaves_a_periodic_box(tmp_path, figures):
 
 
 @pytest.mark.parametrize("more, side, limit", [("cracks split balance yes", 0.0025, 1e-3), ("kinematics updated", 0.0025, 1.5e-3)])
-def test_crumbs_of_other_runs(tmp_path, figures, more, side, limit):
-    """Crumbs leave while points go to other ranks, and with points that move through the grid."""
+def test_fragments_of_other_runs(tmp_path, figures, more, side, limit):
+    """Fragments leave while points go to other ranks, and with points that move through the grid."""
     t = run(scene(more, side=side, high=0.012, extra=WEIGHT) + "run 1500\n", tmp_path, 2).table()
     check_books(t, figures, more, 9e-5 if "updated" not in more else 9e-4)
     figures.below(f"{more}: imbalance of the energy", max(abs(t[IMBALANCE])), limit)
 
 
 def test_updated_grain_leaves(tmp_path, figures):
-    """A grain that is deleted takes the cement that holds to it along, with `kinematics updated`."""
+    """A grain that is deleted takes the cement that is connected to it along, with `kinematics updated`."""
     t = run(scene("kinematics updated", B0=3e5) + "run 1500\n" + DELETE.format("upper") + "run 100\n", tmp_path, 2).table()
     check_books(t, figures, "updated", 3.8e-8)
     assert t["atoms"][-1] == 1 + t[POINTS][-1] and t[FAILED][0] < t[POINTS][0]

@@ -24,15 +24,15 @@ def test_pulled_through_failure(tmp_path, figures, B0, speed):
     figures.below(f"B0 {B0:g}: imbalance of the energy from the peak on", abs(table["f_cem[12]"][peak:]).max(), 1e-5)
     on_grains = np.array([table[c] for c in FORCES])
     sum_of_both = np.linalg.norm(on_grains[:3] + on_grains[3:], axis=0)
-    # what is left is the momentum that the cement takes up, until it breaks on one side
+    # what is left is the momentum that the cement gains, until it breaks on one side
     loading = np.argmax(force > 0.95 * force[peak])
     figures.below(f"B0 {B0:g}: |F1 + F2| over the peak, up to 95 % of it", sum_of_both[:loading].max() / force[peak], 0.01)
 
 
 @pytest.mark.parametrize("cracks", ["bonds", "split"])
 @pytest.mark.parametrize("load", ["tension", "shear", "compression"])
-def test_books_through_failure(load, cracks, tmp_path, figures):
-    """What points, links and added mass give up in a step of central differences is booked as that step has it, so the books close but for rounding and
+def test_balance_through_failure(load, cracks, tmp_path, figures):
+    """What points, links and added mass give up in a step of central differences is counted as that step has it, so the balance closes but for rounding and
     for damage within a step."""
     script = Path(__file__).parents[2] / "examples" / "pair_table" / "in.pair_table"
     words = dict(shape="flat", load=load, content=0.01, inner=1e-3, spacing=2e-4, cracks=cracks, limit=2500, frames=10**8)
@@ -47,7 +47,7 @@ def test_books_through_failure(load, cracks, tmp_path, figures):
 @pytest.mark.parametrize("words", ["", "basis linear", "basis cubic"])
 def test_struck(tmp_path, figures, words):
     """A free grain is thrown away from the other: waves in the cement, some as short as a cell, and the balance holds
-    nevertheless, since it is that of central differences, with added mass that goes along with its grain and without."""
+    nevertheless, since it is that of central differences, with added mass that moves with its grain and without."""
     cell = 2.5e-4
     for timestep, limit in ((2e-9, 1e-6), (1.2e-8, 1e-5)):
         steps = round(4e-6 / timestep)

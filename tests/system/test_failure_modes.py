@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Failure mode and shares of the separating surface for cracks cut into the cement beforehand, where they are known.
+"""Failure mode and shares of the fracture surface for cracks cut into the cement beforehand, where they are known.
 
 test_point_file.py has the plain cracks of the ring; here are several at once, stepped ones, other shapes, and ranks.
-Bonds that hold: how much of their weakest section is left, and the crack that would be there.
+Intact bonds: how much of their weakest section is left, and the crack that would be there.
 """
 import csv
 import re
@@ -17,7 +17,7 @@ SHAPES = {"flat": ("flat", "inner 1e-3 outer 2e-3"), "meniscus": ("meniscus", "n
           "coating": ("coating", "thickness 4e-4 cap 30 inner 8e-4"), "wide": ("meniscus", "neck 1e-3")}
 GAP = {"wide": 1e-3}
 MEET = np.sqrt(5.4e-3**2 - 5e-3**2)  # ring in which the shells of the coating meet
-# As far out cells of both shells share faces, though there is a crevice thinner than two spacings between them.
+# As far out cells of both shells share faces, though there is a gap thinner than two spacings between them.
 TOUCH = np.sqrt(5.4e-3**2 - (5e-3 - SPACING)**2)
 MODES = [f"f_cem[{i}]" for i in (19, 20, 21, 22)]  # bonds that are separated; by debonding, internal, mixed
 STEP, FEW = 1.5e-3, np.deg2rad(18)
@@ -51,7 +51,7 @@ class Cement:
 
 
 def stepped(c, side):
-    """Let go at a grain within r = STEP, through the middle outside it."""
+    """Debonded from a grain within r = STEP, through the middle outside it."""
     wall = (abs(c.r - STEP) < SPACING) & ((c.z < SPACING) if side == 0 else (c.z > -SPACING))
     return np.where(c.r < STEP, c.at[side], c.plane) | wall
 
@@ -64,7 +64,7 @@ def sector(c, few, rest):
     return np.where(within, few, rest) | wall
 
 
-# Shares of a crack that steps at r = STEP are known as well as where in the wall, two points wide, they part.
+# Shares of a crack that steps at r = STEP are known as well as where in the wall, two points wide, they separate.
 WALL = 100 * 2 * STEP * SPACING / (2e-3**2 - 1e-3**2) + 2
 # shape, failed points, mode, shares in per cent (first grain, second, inside) or None, uncertainty if not 2
 CASES = {
@@ -115,7 +115,7 @@ def test_constructed_crack(case, made, tmp_path, figures):
 
 @pytest.mark.parametrize("ranks", [1, 3])
 def test_bonds_by_mode(made, tmp_path, ranks):
-    """Four bonds of one scene, three of which come apart, each in its way: their numbers in the vector of fix mpm, also after a restart."""
+    """Four bonds of one scene, three of which separate, each by another mode: their numbers in the vector of fix mpm, also after a restart."""
     bonds = [("meniscus", lambda c: c.at[0]), ("meniscus", lambda c: c.plane), ("flat", lambda c: stepped(c, 0)), ("meniscus", lambda c: 0 * c.x)]
     grains = [[f"create_atoms 1 single {11e-3 * n:.15g} 0 {z} units box" for z in (-0.005, 0.005)] for n in range(len(bonds))]
     files = []
@@ -195,9 +195,9 @@ def test_section_left_of_an_intact_bond(case, made, tmp_path, figures):
     assert [float(f) for f in found.groups()[4:]] == pytest.approx(shares, abs=8)
 
 
-def test_sheared_bond_with_next_to_no_force(tmp_path, figures):
+def test_sheared_bond_with_almost_no_force(tmp_path, figures):
     """Past the peak the bond is intact by the rule for long; what is left of its weakest section is about what is left of its
-    force, and when it comes apart, at the end, it does so where the crack through that section was expected."""
+    force, and when it separates, at the end, it does so where the crack through that section was expected."""
     words = {"load": "shear", "content": 0.01, "inner": "auto", "spacing": 2e-4, "frames": 10**8, "limit": 3300}
     arguments = [w for k, v in words.items() for w in ("-var", k, str(v))]
     lines = []

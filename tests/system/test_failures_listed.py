@@ -45,7 +45,7 @@ def test_means_and_counts(broken, figures):
 
 
 def test_links(broken):
-    """Links have let go where their point failed, and nowhere else."""
+    """Links have debonded where their point failed, and nowhere else."""
     _, p, t, _ = broken
     linked = p["c_attached"] > 0
     assert ((p["c_attached"] == 2) == (linked & (p["c_failed"] == 1))).all()
@@ -101,5 +101,5 @@ def test_a_separated_bond_is_noticed_within_five_steps(tmp_path):
         t = run(text + thermo(1, ["f_bond[16]", "f_bond[22]"]) + "run 200\n", tmp_path / str(check)).table()
         assert t["f_bond[22]"][-1] == 1
         steps[check] = int(t["step"][np.argmax(t["f_bond[22]"] == 1)])
-    # Added mass of links that let go is dropped at the checks, so that the two runs are not the same either.
+    # Added mass of debonded links is dropped at the checks, so that the two runs are not the same either.
     assert 10 < steps[1] < 190 and abs(steps[100000] - steps[1]) <= 5, steps

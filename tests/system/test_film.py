@@ -71,7 +71,7 @@ def pulled(directory, spacing, words=ALL_FILM, shape="flat", damage=BREAKS, coup
     return run(script, directory, ranks).table()
 
 
-def test_breaks_and_keeps_the_books(tmp_path, figures):
+def test_breaks_and_keeps_the_balance(tmp_path, figures):
     """A bond that is all film: its peak is that of other spacings, its energy balances, and it is separated once all of it failed."""
     table = [pulled(tmp_path / str(s), s) for s in (2e-4, 1.5e-4)]
     for t in table:
@@ -112,7 +112,7 @@ def test_film_and_cells_break_together(tmp_path, figures):
 
 
 def test_free_pair_that_spins(tmp_path, figures):
-    """Momentum and angular momentum of a free pair with a film stay, and the bond is not strained by a turn."""
+    """Momentum and angular momentum of a free pair with a film stay, and the bond is not strained by a rotation."""
     script = pair(2e-4, gap=2e-5, cement="content 0.002 film joined", half_box=(0.05, 0.05, 0.05)) + CONTACT
     script += cement(4e-4, 1e-8, CALCITE, "radial") + SPINNING + MOMENTA + thermo(100, MOMENTUM_COLUMNS + ["f_cem[12]"]) + "run 10000\n"
     t = run(script, tmp_path).table()
@@ -123,7 +123,7 @@ def test_free_pair_that_spins(tmp_path, figures):
 
 
 @pytest.mark.parametrize("words", [ALL_FILM, "content 0.02 film joined"])
-def test_restart_to_the_bit(words, tmp_path):
+def test_restart_is_bitwise_identical(words, tmp_path):
     columns = ["f_bond[14]", "f_cem[2]", "f_cem[8]", "f_cem[12]"]
     head = bond(2e-4, words, damage=BREAKS, axis="radial", elastic=CALCITE, timestep=5e-9, couple=COHESIVE)
     tail = pull(0.5, 2e-6) + thermo(10, columns)
@@ -137,7 +137,7 @@ def test_restart_to_the_bit(words, tmp_path):
 
 
 def test_restart_of_a_free_pair_on_ranks(tmp_path):
-    """Columns go to the ranks of their places for the file, and are shown before they are laid out there."""
+    """Columns go to the ranks of their positions for the file, and are shown before they are laid out there."""
     columns = ["f_bond[14]", "f_cem[5]", "f_cem[6]", "f_cem[7]"]
     fixes = CONTACT + cement(4e-4, 1e-8, CALCITE, "radial") + "fix motion grains nve/sphere\n"
     script = pair(2e-4, gap=2e-5, cement="content 0.002 film joined", half_box=(0.02, 0.02, 0.02)) + CONTACT + cement(4e-4, 1e-8, CALCITE, "radial") + SPINNING
@@ -157,7 +157,7 @@ def test_two_ranks(words, tmp_path, figures):
 
 @pytest.mark.parametrize("words", [ALL_FILM, "content 0.02 film joined"])
 def test_condensed(words, tmp_path, figures):
-    """A condensed bond has its film, too: its loads are those of the resolved one, and it wakes to break."""
+    """A condensed bond has its film, too: its loads are those of the resolved one, and it is activated and breaks."""
     both = [pulled(tmp_path / w, 2e-4, words, damage=f"{BREAKS} condense {w}", steps=2500, speed=0.1) for w in ("no", "yes")]
     resolved, condensed = (t["f_bond[14]"] for t in both)
     figures.below("condensed against resolved until the peak", abs(condensed - resolved)[:resolved.argmax()].max() / resolved.max(), 5e-3)

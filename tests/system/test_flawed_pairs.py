@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""tools/flawed_pairs.py: flaws are where and as many as asked for, bonds with them are weaker, the driver resumes; bad words."""
+"""tools/flawed_pairs.py: flaws are where and as many as asked for, bonds with them are weaker, the driver resumes; bad arguments."""
 import csv
 import subprocess
 import sys
@@ -60,7 +60,7 @@ def test_softness(driven, figures):
     grains = np.unique(d).size
     figures.note("softness: grains, and volume over that of a grain", f"{grains} {solid['volume'].sum() / (4 / 3 * np.pi * SIZE**3):.1f}")
     assert abs(grains - solid["volume"].sum() / (4 / 3 * np.pi * SIZE**3)) <= 0.5
-    # a grain hangs together: no point of it is further off than the nearest points of it are apart, times a few
+    # a grain is connected: no point of it is further off than the nearest points of it are apart, times a few
     mean = np.average(d, weights=solid["volume"])
     figures.below("softness: mean damage less half of the largest, over three deviations of a mean", abs(mean - 0.3) / (3 * 0.6 / np.sqrt(12 * grains)), 1.0)
 
@@ -84,7 +84,7 @@ def test_strengths(driven, figures):
         for flaw, amount, whole in (("pores", 0.3, 0.0), ("softness", 0.6, 0.0), ("contact", 0.25, 1.0)):
             ratio = force[flaw, amount, load] / force[flaw, whole, load]
             figures.note(f"{flaw} {amount}, {load}: largest force over that without flaws", f"{ratio:.3f}")
-            # no more than the share that is left, and not next to nothing
+            # no more than the share that is left, and not almost nothing
             left = {"pores": 0.7, "softness": 1.0, "contact": 0.4}[flaw]
             assert 0.2 * left < ratio < 1.2 * left, (flaw, load)
     assert (driven / "flaws.png").stat().st_size > 5000
@@ -104,7 +104,7 @@ def test_resumes_and_draws_again(driven, tmp_path):
     (["--size", "0"], "0: must be a positive number"), (["--exe", "/nowhere/x"], "/nowhere/x: no such executable"),
     (["--content", "0.5", "--coarse", "5e-4"], "does not fit"), (["--softness", "0.95"], "softness 0.95: must be below 0.9"),
     (["--redraw", str(ROOT / "doc" / "data" / "study_map.csv")], "not a flaws.csv of flawed_pairs.py")])
-def test_words(words, expected, tmp_path):
+def test_bad_arguments(words, expected, tmp_path):
     done = drive(tmp_path / "out", *words)
     assert done.returncode != 0 and expected in done.stderr, done.stderr
     assert "Traceback" not in done.stderr

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`friction` of fix mpm/couple in a script: what let go touches again. Figures are in tests/unit/test_debonded_contact.cpp."""
+"""`friction` of fix mpm/couple in a script: debonded cement touches again. Figures are in tests/unit/test_debonded_contact.cpp."""
 import csv
 from pathlib import Path
 
@@ -27,7 +27,7 @@ def scene(words=WORDS, damage="check 20", **more):
     ("", "damage tensor B0 9.6e3 check 20 kinematics updated unilateral yes", "'unilateral yes' does not go with 'kinematics updated': cracks are measured from a reference that stays"),
     (WORDS, "check 20 reproject auto 0.1", "'friction 0.3' does not go with 'reproject auto 0.1' of fix mpm (id cem): it needs a reference that stays"),
 ])
-def test_bad_words(tmp_path, words, damage, message):
+def test_bad_options(tmp_path, words, damage, message):
     done = launch(scene(words, damage) + "run 0\n", tmp_path)
     assert done.status != 0
     assert len(done.errors()) == 1 and message in done.errors()[0], done.output[-1000:]
@@ -41,7 +41,7 @@ def test_other_friction_after_a_restart_is_refused(tmp_path):
 
 
 def test_example_breaks_closes_and_slides(tmp_path, figures):
-    """examples/pair_closed: tension until it breaks, compression when it is closed, friction mu N beyond what there is without, and the books close."""
+    """examples/pair_closed: tension until it breaks, compression when it is closed, friction mu N beyond what there is without, and the balance closes."""
     folder = Path(__file__).parents[2] / "examples" / "pair_closed"
     share = {}
     for mu in (0.3, 0):
@@ -61,8 +61,8 @@ def test_example_breaks_closes_and_slides(tmp_path, figures):
 
 
 @pytest.mark.parametrize("cracks", ["bonds", "split"])
-def test_crushed_cement_keeps_the_books(cracks, tmp_path, figures):
-    """Compression through failure and beyond: pieces and places that let go are pressed, come off and meet again, in ten runs one after the other."""
+def test_crushed_cement_keeps_the_balance(cracks, tmp_path, figures):
+    """Compression through failure and beyond: pieces and contact points are pressed, come off and meet again, in ten runs one after the other."""
     script = Path(__file__).parents[2] / "examples" / "pair_table" / "in.pair_table"
     for mu in (0, 0.3):
         out = tmp_path / f"mu{mu}"
@@ -78,7 +78,7 @@ def test_crushed_cement_keeps_the_books(cracks, tmp_path, figures):
 
 @pytest.mark.parametrize("zeta", [1, 0.1])
 @pytest.mark.parametrize("cracks", ["bonds", "split"])
-def test_points_that_fail_under_compression_keep_the_books(cracks, zeta, tmp_path, figures):
+def test_points_that_fail_under_compression_keep_the_balance(cracks, zeta, tmp_path, figures):
     """With `unilateral yes` a pressed point goes on with the pressure that it had. If it were as stiff as whole cement from its reference on, energy would come of nothing."""
     script = (Path(__file__).parents[2] / "examples" / "pair_table" / "in.pair_table").read_text()
     words = dict(shape="flat", load="compression", content=0.02, inner=1e-3, film="grid", spacing=2.5e-4, cracks=cracks, speed=0.3, zeta=zeta, limit=1000, frames=10**8,
@@ -93,8 +93,8 @@ def test_points_that_fail_under_compression_keep_the_books(cracks, zeta, tmp_pat
 
 
 @pytest.mark.parametrize("cracks", ["bonds", "split"])
-def test_cement_beside_skins_touches_them(cracks, tmp_path, figures):
-    """A cohesive interface stronger than the cement: the bond breaks beside the grains, skins stay on these, and bear what is pressed on them until that is crushed."""
+def test_cement_beside_residue_touches_it(cracks, tmp_path, figures):
+    """A cohesive interface stronger than the cement: the bond breaks beside the grains, residue stays on these, and carries what is pressed on it until that is crushed."""
     way = "(4e-6*(0.5*(1-cos(PI*v_t/1.35e-5))*(v_t<1.35e-5)+(v_t>=1.35e-5))-8e-6*(0.5*(1-cos(PI*(v_t-1.35e-5)/4e-5))*(v_t>=1.35e-5)))"
     speed = "(4e-6*(0.5*PI/1.35e-5*sin(PI*v_t/1.35e-5)*(v_t<1.35e-5))-8e-6*(0.5*PI/4e-5*sin(PI*(v_t-1.35e-5)/4e-5)*(v_t>=1.35e-5)))"
     text = pair(1.25e-4, gap=3e-4, cement="inner 1e-3 outer 2e-3")
@@ -128,7 +128,7 @@ def test_grains_that_are_apart_are_not_dragged(tmp_path, figures):
 
 @pytest.mark.parametrize("cracks", ["bonds", "split"])
 def test_a_broken_bond_flies_to_other_ranks(cracks, tmp_path, figures):
-    """Copies of nodes and places that touch come along, from a rank that has no point of the bond any more; and places go on between two ranks."""
+    """Phantom nodes and contact points come along, from a rank that has no point of the bond any more; and contact points go on between two ranks."""
     script = (pair(2.5e-4, gap=5e-4, half_box=(1.2e-2, 1.2e-2, 2e-2), cement="content 0.01")
               + cement(5e-4, 2.9e-8, elastic=CALCITE, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 cracks {cracks}", couple=f"kn auto kt auto {WORDS}")
               + "fix motion grains nve/sphere\nvelocity all set 0 0 150\nvelocity second set 0.2 -0.3 151\n"
@@ -143,7 +143,7 @@ def test_a_broken_bond_flies_to_other_ranks(cracks, tmp_path, figures):
 
 
 def test_restart_of_a_bond_that_ranks_cut(tmp_path):
-    """The faces of a split bond touch again long after the file was written. The nodes of a rank do not depend on when it found the ties at the edge."""
+    """The faces of a split bond touch again long after the file was written. The nodes of a rank do not depend on when it found the constraints at the edge."""
     fixes = cement(4e-4, 2e-8, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 check 20 cracks split", couple=f"kn auto kt auto {WORDS}")
     z, w = "(2e-6*(1-cos(PI*v_t/8e-6))*(v_t<8e-6)+(4e-6-2.6e-6*(1-cos(PI*(v_t/1.2e-5-2/3))))*(v_t>=8e-6))", \
            "(PI/4*sin(PI*v_t/8e-6)*(v_t<8e-6)-2.6/12*PI*sin(PI*(v_t/1.2e-5-2/3))*(v_t>=8e-6))"
@@ -162,7 +162,7 @@ def test_restart_of_a_bond_that_ranks_cut(tmp_path):
 @pytest.mark.parametrize("share", [0.4, 0.8])
 def test_debonded_cement_that_is_hit(tmp_path, figures, share):
     """A free grain pulls its cement off and hits it again and again, with steps that links need much added mass for. Contact needs some, and makes
-    no energy by taking it up: the energy grew by 40 % with the longer step when nodes kept their velocity then."""
+    no energy by adding it: the energy grew by 40 % with the longer step when nodes kept their velocity then."""
     text = edit(pair(1.25e-4, gap=3e-4, cement="inner 1e-3 outer 2e-3", half_box=3 * (12.5e-3,)), "create_cement",
                 "group first id 1\ngroup second id 2\nvelocity second set 0 0 0.2\ncreate_cement")
     words = cement(2.5e-4, 1e-8, elastic=(60e9, 60e9, 0.2, 0.2, 25e9), damage=f"timestep auto {share} check 20",

@@ -67,7 +67,7 @@ def test_spin_up(tmp_path, figures):
 
 
 def test_torque_of_a_later_fix(tmp_path, figures):
-    """A wall rubs against a free bead, whose links add twice its mass: its torque counts, too, where the wall is defined after
+    """A wall slides with friction on a free bead, whose links add twice its mass: its torque counts, too, where the wall is defined after
     fix mpm and only that of the step before is known."""
     dt, steps = 7e-8, 400
     wall = "fix wall all wall/gran model hertz/stiffness tangential history primitive type 2 xplane 0.0049998 shear z 20\n"

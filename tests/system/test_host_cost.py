@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""LIGGGHTS itself does next to nothing for the points of the cement."""
+"""LIGGGHTS itself does almost nothing for the points of the cement."""
 import re
 
 import pytest

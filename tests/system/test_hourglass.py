@@ -48,8 +48,8 @@ def test_pulled_apart(tmp_path, figures):
     assert WAIST**2 * 0.8 < ratio < 0.8
 
 
-def test_words(tmp_path):
-    """`neck` and `content` give the same body as `outer`."""
+def test_neck_or_content(tmp_path):
+    """`neck` and `content` give the same bond as `outer`."""
     volumes = []
     made = pair(CELL / 2, gap=GAP, shape="hourglass", cement=f"outer {OUTER} waist {WAIST}")
     for words in (f"outer {OUTER} waist {WAIST}", f"neck {OUTER * WAIST:.17g} waist {WAIST}", "content"):

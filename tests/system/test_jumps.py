@@ -59,7 +59,7 @@ def test_start(tmp_path, figures, motion, words):
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_start_with_damping(tmp_path, figures, motion, words):
     """Dampers take power from the first step on, half of each step's is ahead."""
-    # Dampers book the velocity that a prescribed motion is expected to have next. Where that motion curves, as in `wiggle`,
+    # Dampers count the velocity that a prescribed motion is expected to have next. Where that motion curves, as in `wiggle`,
     # they miss what the work of the grain has of the true one. The error does not grow.
     result = run(bond(HALF, "timestep auto 0.5 " + words) + MOTIONS[motion] + thermo(1, ENERGIES + ["f_cem[10]"]) + "run 40\n", tmp_path)
     table = result.table()
@@ -95,7 +95,7 @@ def test_grain_that_goes_over_between_prescribed_and_free(tmp_path, figures, cha
 @pytest.mark.parametrize("words", ["", "mass_order 2"])
 @pytest.mark.parametrize("change", ["stop", "turn round", "kick"])
 def test_change_of_what_is_heavy(tmp_path, figures, change, words):
-    """The work of weight and of inertial forces goes by the velocities that jumps give to nodes, too."""
+    """The work of weight and of inertial forces depends on the velocities that jumps give to nodes, too."""
     first, second = CHANGES[change]
     weight = "fix g all gravity 1e4 vector 0 0 -1\n"
     table = run(bond(1.2e-8, words) + weight + first + thermo(1, ["f_cem[12]"]) + f"run 30\n{second}run 30\n", tmp_path).table()
@@ -126,7 +126,7 @@ def test_momentum(tmp_path, figures):
 
 @pytest.mark.parametrize("change", ["turn round", "kick"])
 def test_restart(tmp_path, change):
-    """A change of motion after read_restart is that between two runs, to the bit."""
+    """A change of motion after read_restart is bitwise identical to that between two runs."""
     first, second = CHANGES[change]
     columns = thermo(1, ENERGIES + ["f_bond[14]"])
     whole = run(bond(1.2e-8) + first + "run 30\nwrite_restart middle.restart\n" + second + columns + "run 10\n", tmp_path).table()

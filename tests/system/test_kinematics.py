@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Kinematics, basis and transfer of fix mpm, each by a word of the script."""
+"""Kinematics, basis and transfer of fix mpm, each by an option of the script."""
 import numpy as np
 import pytest
 from scenes import (CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, SPINNING, cement, dump, edit, in_cells, pair, point_quantities, pull,
@@ -27,7 +27,7 @@ def test_stiffness(words, limit, tmp_path, figures):
     figures.below(f"{words}: stiffness against finite elements", abs(k / EXACT - 1), limit)
 
 
-# A free pair that flies and turns: what a transfer moves between nodes and grains may not show.
+# A free pair that flies and rotates: what a transfer moves between nodes and grains may not show.
 @pytest.mark.parametrize("words", ["kinematics updated", "kinematics updated transfer flip 1", "kinematics updated transfer xpic 3", "reproject auto 1e-3", "basis cubic"])
 def test_momentum(words, tmp_path, figures):
     scene = pair(CELL / 2, gap=2e-4, half_box=(2e-2, 2e-2, 2e-2)) + cement(CELL, DT, couple="kn 9.6e12 kt 0.96e12")
@@ -48,7 +48,7 @@ def test_ranks(words, tmp_path, figures):
     assert one["f_bond"].max() > 3000
     assert (one["f_bond[18]"] == four["f_bond[18]"]).all()
     figures.below(f"{words}: 1 against 4 ranks", abs(one["f_bond"] - four["f_bond"]).max() / one["f_bond"].max(), 1e-9)
-    # relative to the energy, so not where there is next to none yet
+    # relative to the energy, so not where there is almost none yet
     loaded = one["f_bond"].cumsum() > one["f_bond"].max()
     figures.below(f"{words}: imbalance of the energy", abs(one["f_cem[12]"])[loaded].max(), 0.002)
 
@@ -57,8 +57,8 @@ def test_ranks(words, tmp_path, figures):
 @pytest.mark.parametrize("words, limit", [
     ("", 0.15), ("kinematics updated", 0.015), ("kinematics updated transfer flip 0.99", 0.2), ("kinematics updated transfer pic", None),
     ("kinematics updated transfer xpic 3", None), ("reproject auto 0.01", None)])
-def test_turn_as_a_whole(words, limit, tmp_path, figures):
-    """A free pair of soft cement turns by 1.5 degrees: the bond bears the centripetal force, and nothing by the turn."""
+def test_rotation_as_a_whole(words, limit, tmp_path, figures):
+    """A free pair of soft cement rotates by 1.5 degrees: the bond carries the centripetal force, and nothing by the rotation."""
     rate, radius, gap = 22.0, 4e-3, 4e-4
     script = pair(2e-4, gap=gap, cement="outer 1.6e-3 inner 0", radius=radius, half_box=3 * (1e-2,))
     script = edit(script, "create_cement", f'variable vx atom "{rate}*z"\nvelocity all set v_vx 0 0\nset group grains omegay {rate}\ncreate_cement')
@@ -95,8 +95,8 @@ def test_restart_of_updated(tmp_path, figures):
     figures.below("updated: restarted against not", abs(whole["f_bond"][-n:] - part["f_bond"]).max() / whole["f_bond"].max(), 1e-10)
 
 
-# Work that is left out changes nothing: to the bit, or to rounding where the stress of an
-# undamaged point comes by another way.
+# Work that is left out changes nothing: bitwise identical, or to rounding where the stress of an
+# undamaged point is found by another path of the code.
 def with_skip(words, directory):
     script = pair(CELL / 2) + with_words(cement(CELL, DT, **BROKEN), words)
     script += "fix hold grains move linear 0 0 0\nrun 20\nunfix hold\n" + pull(4.0, 2e-6)
@@ -121,12 +121,12 @@ def test_skip(word, limit, skips_all, tmp_path, figures):
         figures.below(f"skip {word}: with against without, {when}", worst, most)
 
 
-def test_bodies_at_rest_sleep(tmp_path):
+def test_bonds_at_rest_are_left_out(tmp_path):
     script = pair(CELL / 2) + cement(CELL, DT) + "fix hold grains move linear 0 0 0\nrun 50\n"
     assert "1 of 1 bonds at rest" in run(script, tmp_path).output
 
 
-def test_links_of_bodies_at_rest_sleep_exactly(tmp_path):
+def test_links_of_bonds_at_rest_are_left_out_exactly(tmp_path):
     """Of three bonds one is pulled until it breaks, one rests, one is pushed later and let rest again, with dampers."""
     grains = [(x, z) for x in (-0.011, 0.0, 0.011) for z in (-RADIUS, RADIUS)]
     ring = "inner 1.5e-3 outer 2e-3"

@@ -47,7 +47,7 @@ def test_create_run_clear(tmp_path, figures, monkeypatch):
 
 
 def test_grains_that_come_and_go(tmp_path, figures):
-    """A pair that goes round from rank to rank leaves nothing behind where it was."""
+    """A pair that moves from rank to rank leaves no memory in use where it was."""
     speed = 2e5  # passes a rank in three steps
     script = pair(2e-4, boundary="p f f", processors="* 1 1", cement="outer 1.6e-3")
     script = script.replace("include grains delay 0", "include grains every 1 delay 0 check no") + cement(4e-4, 1e-8)

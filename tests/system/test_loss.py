@@ -75,7 +75,7 @@ CASES = {
     "IDs change": (THIRD + [(HOLD, HOLD + "fix rest third freeze\n"), *after("delete_atoms group third\n")],
                    ["fix mpm (id cem)", "delete_atoms", "compress no"]),
     "points are replicated": ([("f f f", "p p p"), ("timestep     1e-09", "replicate 2 1 1 offset 0.012 0.012 0.025 shift 0 0 0\ntimestep     1e-09")], ["fix mpm (id cem)", "IDs of atoms", "replicate"]),
-    # bonded grains that go where nothing in the scene moves them, or change size
+    # bonded grains that move where nothing in the scene moves them, or change size
     "a grain is displaced before the run": (before("displace_atoms second move 0 0 1e-6 units box\n"),
                                             ["fix mpm (id cem)", "moved bonded grain 2 by 1e-06", "cement was made", "create_cement"]),
     "a grain is displaced between runs": (after("displace_atoms second move 0 1e-9 0 units box\n"),
@@ -189,7 +189,7 @@ def test_message(tmp_path, name, ranks):
 
 
 def test_a_fix_before_the_cement_is_removed_without_a_setup(tmp_path):
-    """LIGGGHTS calls fixes by their places, and so would leave out fix mpm."""
+    """LIGGGHTS calls fixes by their indices, and so would leave out fix mpm."""
     if not hosted():
         pytest.skip("a LIGGGHTS with the package compiled in calls nothing of it then")
     result = launch(edit(GOOD, "fix          cem", "fix weight all gravity 9.81 vector 0 0 -1\nfix          cem") + "unfix weight\nrun 20 pre no\n", tmp_path)

@@ -49,7 +49,7 @@ def test_pulled_through_failure(tmp_path, figures):
 
 
 def test_columns(tmp_path):
-    """kappa, the damage that goes with it, the tensor, the drive and the stress of each point."""
+    """kappa, the damage that depends on it, the tensor, the driving force and the stress of each point."""
     names = ["kappa", "damage", "damage_xx", "damage_xy", "drive", "failed", "stress_max", "strain_zz"]
     script = scene() + "".join(f"compute q_{n} calcite mpm/atom cem {n}\n" for n in names)
     script += "dump d calcite custom 500 points.*.txt id " + " ".join(f"c_q_{n}" for n in names) + "\nrun 500\n"
@@ -94,7 +94,7 @@ def test_written_and_read(tmp_path):
     ("damage mazars kappa0 1e-3 At 0.9 Bt 1e3 check 10 cutoff 0.8", ["'cutoff' belongs to the words of 'damage mazars'", "kappa0 ... At ... Bt ... cutoff"]),
     ("damage mazar", ["none, tensor, mazars"]),
     (WORDS + " regularization crackband 10", ["'regularization crackband 10' does not go with 'damage mazars kappa0", "'damage tensor'"])])
-def test_bad_words(tmp_path, words, found):
+def test_bad_options(tmp_path, words, found):
     done = launch(scene(words) + "run 0\n", tmp_path)
     assert done.status != 0
     for text in found:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""LIGGGHTS looks at the grains alone where mesh walls and gravity act, and nothing but its time changes.
+"""LIGGGHTS loops over the grains only where mesh walls and gravity act, and nothing but its time changes.
 
-Grains that no cement touches slide, spin and roll over the triangles of two meshes, and one, the last of all, goes back and forth over
+Grains that no cement touches slide, spin and roll over the triangles of two meshes, and one, the last of all, moves back and forth over
 the edge of two. A pair with cement stands beside them. The same grains without cement are moved by LIGGGHTS alone, which goes over all
 atoms then.
 """
@@ -82,7 +82,7 @@ def go(directory, script, ranks):
 
 
 def shown(directory):
-    """What grains and their contacts with walls are, by step. The points of the first two are no part of it."""
+    """State of the grains and of their contacts with walls, by step, without the two grains of the pair."""
     found = {}
     for name in ("grains", "walls"):
         for path in directory.glob(f"{name}.*.txt"):
@@ -95,7 +95,7 @@ WHOLE, HALVES = f"run {STEPS}\n", f"run {STEPS // 2}\n"
 
 
 def scene(directory, ranks, cement, restart):
-    """One run, or two over a restart file. LIGGGHTS itself goes on from a file with other lists of neighbours, and so not to the bit."""
+    """One run, or two over a restart file. LIGGGHTS itself goes on from a file with other lists of neighbours, and so not bitwise identically."""
     make, fixes = (CEMENT, MODEL + MPM) if cement else ("", MODEL)
     go(directory, GRAINS + NEIGHBOURS + make + fixes + MOTION + OUTPUT + (HALVES + "write_restart r.bin\n" if restart else WHOLE), ranks)
     if restart:
@@ -125,7 +125,7 @@ def test_the_scene(alone):
 @pytest.mark.parametrize("restart", [False, True])
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_as_without_cement(tmp_path, alone, ranks, restart):
-    """Motion, forces and histories, to the bit."""
+    """Motion, forces and histories are bitwise identical."""
     assert scene(tmp_path, ranks, True, restart) == alone[ranks, restart]
 
 
@@ -139,7 +139,7 @@ def test_energy_of_gravity(tmp_path, ranks, gravity):
     script += ("compute all all reduce sum v_mine\ncompute grains grains reduce sum v_mine\nvariable f atom abs(fx)+abs(fy)+abs(fz)\n"
                "compute force calcite reduce max v_f\n" + thermo(20, columns) + "thermo_modify norm no\nrun 200\n")
     table = go(tmp_path, script if gravity == "5000" else script.replace("(v_g-step)", "v_g"), ranks).table()
-    # LIGGGHTS goes over points itself where gravity has a variable, and has them where they were shown last
+    # LIGGGHTS loops over points itself where gravity has a variable, and has their positions as they were reported last
     assert table["f_g"] == pytest.approx(table["c_all"], rel=1e-12 if gravity == "5000" else 1e-6, abs=0)
     assert (abs(table["c_all"] - table["c_grains"]) > 1e-3 * abs(table["c_all"])).all()
     assert (table["c_force"] == 0).all(), "forces that points show"

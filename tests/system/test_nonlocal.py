@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""regularization nonlocal: a crack takes the same energy with every cell, and its band is as wide."""
+"""regularization nonlocal: fracture energy and width of the band are the same with every cell."""
 import csv
 import math
 import re
@@ -39,7 +39,7 @@ def test_same_energy_at_any_cell(tmp_path, figures, monkeypatch, cells_a_length)
     assert r["end"] < 0.02 and r["failed"] <= 3
     damaged = sum(d > 0.2 for d in r["profile"]) / (2 * cells_a_length)
     figures.note(f"bar with {cells_a_length:g} cells a length: damage of its layers", r["profile"])
-    spent = math.sqrt(2) * B0 * LENGTH * expected[1]  # the rest runs off in waves when the middle lets go
+    spent = math.sqrt(2) * B0 * LENGTH * expected[1]  # the rest leaves in waves when the middle fails
     figures.below(f"bar with {cells_a_length:g} cells a length: error of the energy that damage takes", abs(r["energy"] / spent - 1), 0.04)
     figures.below(f"bar with {cells_a_length:g} cells a length: error of the width, lengths", abs(damaged - width / LENGTH), 0.3)
 
@@ -49,7 +49,7 @@ SLOWLY = {"speed": 0.01, "stretch": 6, "share": 0.7}
 
 @pytest.mark.parametrize("cells_a_length, energy, limit", [(1, 18.0, 0.06), (2, 18.0, 0.06), (1, 25.0, 0.1), (2, 25.0, 0.03)])
 def test_energy_asked_for(tmp_path, figures, monkeypatch, cells_a_length, energy, limit):
-    """The area under force and opening. The bar holds 13.6 J/m2 at the peak: with less energy of a crack it snaps, and loses its own energy as well."""
+    """The area under force and opening. The bar holds 13.6 J/m2 at the peak: with a smaller fracture energy it snaps, and loses its elastic energy as well."""
     r = pulled(tmp_path, cells_a_length, f"energy {energy}", monkeypatch, **SLOWLY)
     assert implied(tmp_path)[0] == pytest.approx(energy, rel=1e-4)
     assert r["end"] < 0.02
@@ -81,7 +81,7 @@ def test_energy_beside_a_grain(tmp_path, figures, monkeypatch, cells_a_length, e
     ("nonlocal 2e-4 imperfecton 1e-3", "and after 'regularization nonlocal' energy, imperfection"),
     ("nonlocal 2e-4 imperfection nan", "a finite number is needed"),
     ("nonlocal 2e-4 imperfection 1e-3 energy 14 imperfection 1e-3", "'imperfection' is given twice in regularization nonlocal")])
-def test_bad_words(tmp_path, words, message):
+def test_bad_options(tmp_path, words, message):
     text = scene(words)
     result = launch(text, tmp_path)
     assert result.status != 0 and len(result.errors()) == 1 and message in result.errors()[0]
@@ -113,8 +113,8 @@ def test_cracks_by_default(tmp_path, words, cracks):
 
 @pytest.mark.parametrize("beads, ranks, weaker", [
     ("equal", 1, 1), ("IDs swapped", 1, 2), ("IDs swapped", 2, 2), ("upper one larger", 1, 2)])
-def test_imperfection_decides_which_grain_lets_go(tmp_path, figures, beads, ranks, weaker):
-    """Without it this bond leaves an eighth of its surface at the second grain. It is that of the lower of equal beads that is weaker, and else that of the larger."""
+def test_imperfection_decides_which_grain_debonds(tmp_path, figures, beads, ranks, weaker):
+    """Without it an eighth of the fracture surface is at the second grain. The weaker side is that of the lower of equal beads, and else that of the larger."""
     script = (Path(__file__).parents[2] / "examples" / "pair_table" / "in.pair_table").read_text()
     words = dict(content=0.01, spacing=1.5e-4, inner=1e-3, film="grid", frames=10**8, regularization="nonlocal 3e-4 imperfection 0.1")
     if beads == "upper one larger":

@@ -2,7 +2,7 @@
 """Every pair of values of the options, in short scenes: a bond that breaks as its grains fly apart.
 
 Pairs that do not go together are refused with their reason.  All others are in one scene at least of a covering array, which
-keeps the books and the momentum, goes on from a restart file to the bit, and is the same on two ranks until something fails.
+keeps the energy balance and the momentum, goes on bitwise from a restart file, and is the same on two ranks until something fails.
 Which pairs those are the program declares with -options.
 """
 import concurrent.futures
@@ -16,7 +16,7 @@ import numpy as np
 from scenes import MOMENTA, MOMENTUM_COLUMNS, RADIUS, launch, pair, restarted, run, thermo
 from test_option_table import declared
 
-# Values of each option: words of its command, the first its default.
+# Values of each option: arguments of its command, the first its default.
 CREATE = {"film": ["inner auto film grid", "inner 1e-3 film joined"], "points": ["points now", "points later"]}
 MPM = {
     "basis": ["basis quadratic", "basis linear", "basis cubic"],
@@ -48,7 +48,7 @@ PAIRS = [frozenset([(a, x), (b, y)]) for a, b in itertools.combinations(OPTIONS,
 
 @functools.cache
 def is_written(words, term):
-    """Whether words of a script are written like a value of a page: `transfer flip 0.9` is `transfer flip`, `reproject 10` is `reproject N above 1`."""
+    """Whether arguments of a script are written like a value of a page: `transfer flip 0.9` is `transfer flip`, `reproject 10` is `reproject N above 1`."""
     term, _, least = term.partition(" above ")
     first, *others = term.split()
     pattern = rf"\b{first}\b" + "".join(r" (-?[\d.]+(?:e[-+]?\d+)?)(?!\S)" if o[0].isupper() else rf"(?: \S+)*? {o}(?!\S)" for o in others)
@@ -57,7 +57,7 @@ def is_written(words, term):
 
 
 def has(chosen, term):
-    """Whether chosen words have a value, `cracks split with mass_order 2` for instance."""
+    """Whether chosen options have a value, `cracks split with mass_order 2` for instance."""
     for joint, meant in (" with ", True), (" without ", False):
         if joint in term:
             first, second = term.split(joint)
@@ -66,7 +66,7 @@ def has(chosen, term):
 
 
 def exclusion(chosen, rules):
-    """The first rule that words are against, once they have all options of what the rule names with `without`."""
+    """The first rule that options violate, once they have all options that the rule names with `without`."""
     for a, b, why in rules:
         left_out = [term.split(" without ")[1] for term in (a, b) if " without " in term]
         if all(term.split()[0] in chosen for term in left_out) and all(any(has(chosen, term) for term in side.split(" | ")) for side in (a, b)):
@@ -75,7 +75,7 @@ def exclusion(chosen, rules):
 
 
 def completed(chosen, rules, wanted, dice):
-    """The words with some of every other option, which cover many of the wanted pairs; None if there are none that go together."""
+    """The options with a value of every other one, which cover many of the wanted pairs; None if none go together."""
     missing = [name for name in OPTIONS if name not in chosen]
     if not missing:
         return chosen
@@ -142,7 +142,7 @@ def found_in(look, cases):
 
 
 def test_pairs_that_do_not_go_together_are_refused(tmp_path):
-    """With the reason that the program declares for them, both words, and what to use in place of either."""
+    """With the reason that the program declares for them, both options, and what to use in place of either."""
     rules = declared()[1]
     refused = covering(rules)[1]
     assert len(refused) > 60
@@ -174,7 +174,7 @@ def scale_of(name, table):
 
 
 def trouble_of(chosen, folder):
-    """What is wrong with a scene of these words; empty if nothing is."""
+    """What is wrong with a scene of these options; empty if nothing is."""
     text = scene(chosen) + f"run {HALF}\nwrite_restart half\nrun {HALF}\n"
     one = run(text, folder).table()
     two = run(text, folder / "two", 2).table()
@@ -187,7 +187,7 @@ def trouble_of(chosen, folder):
         found.append(f"imbalance of the energy {imbalance:.1e}")
     for name in ("v_Px", "v_Py", "v_Pz"):
         off = abs(one[name] - one[name][0]).max() / scale_of(name, one)
-        # 1.2e-8 goes where a bond with a film and cohesive links softens under `kinematics updated transfer flip`; all others keep it to rounding.
+        # 1.2e-8 of the momentum is lost where a bond with a film and cohesive links softens under `kinematics updated transfer flip`; all others keep it to rounding.
         if off > (1e-7 if {"kinematics updated", "transfer flip 0.99"} <= set(chosen.values()) and "joined" in chosen["film"] else 1e-12):
             found.append(f"{name} off by {off:.1e}")
     for name in COLUMNS:

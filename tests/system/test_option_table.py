@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The pages say of each keyword, value, default and pair of words what the program declares with `-options`."""
+"""The pages say of each keyword, value, default and pair of options what the program declares with `-options`."""
 import re
 import subprocess
 from pathlib import Path
@@ -12,7 +12,7 @@ PAGES = {"fix mpm": "fix_mpm.md", "fix mpm/couple": "fix_mpm_couple.md"}
 
 
 def declared():
-    """[(command, keyword, values, default)] and [(words, words that do not go with them, why)]."""
+    """[(command, keyword, values, default)] and [(options, options that do not go with them, why)]."""
     if not hosted():
         pytest.skip("LIGGGHTS' own driver does not have -options")
     lines = [line.split("\t") for line in subprocess.run([executable(), "-options"], capture_output=True, text=True, check=True).stdout.splitlines()]
@@ -62,6 +62,6 @@ def test_defaults_of_a_page(command):
 
 
 def test_pairs_of_the_page():
-    """The table of words that do not go together is that of the program, row by row."""
+    """The table of options that do not go together is that of the program, row by row."""
     page = [tuple(plain(cell) for cell in row) for row in rows("fix_mpm.md", "Restrictions")]
     assert page == [(a.replace(" | ", ", "), b.replace(" | ", ", "), why) for a, b, why in declared()[1]]

@@ -73,7 +73,7 @@ def union(kind, centres):
 
 
 def attached(kind, centres):
-    """Area of all grains that the cement of some pair covers: of the same number of places on each."""
+    """Area of all grains that the cement of some pair covers: sampled at the same number of points on each."""
     number = 400000
     cosine = 1 - (2 * np.arange(number) + 1) / number
     angle = np.pi * (1 + np.sqrt(5)) * np.arange(number)  # Fibonacci's lattice on a sphere

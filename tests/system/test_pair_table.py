@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""examples/pair_table and its driver: every load against a closed form or another load, resuming, bad words."""
+"""examples/pair_table and its driver: every load against a closed form or another load, resuming, bad arguments."""
 import csv
 import json
 import math
@@ -33,7 +33,7 @@ def loaded(directory, **variables):
 
 
 def stiffness(table):
-    """Load over way while the rate is constant and nothing is damaged."""
+    """Load over displacement while the rate is constant and nothing is damaged."""
     late = slice(len(table["way"]) // 2, None)
     return np.polyfit(table["way"][late] / table["way"][-1], table["load"][late], 1)[0] / table["way"][-1]
 
@@ -47,7 +47,7 @@ def ring(integrand):
     return float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(r)))
 
 
-def test_turning_loads(tmp_path, figures):
+def test_rotation_loads(tmp_path, figures):
     """omega and the position of the upper bead belong together, and both reach the coupling.
 
     Torsion of the ring with the axis of elasticity along z lies between two bounds: columns that slide past each
@@ -70,12 +70,12 @@ def test_turning_loads(tmp_path, figures):
 
 
 def test_motion_is_smooth(tmp_path, figures):
-    """Neither the way nor its first two derivatives jump, in any load that is driven."""
+    """Neither the displacement nor its first two derivatives jump, in any load that is driven."""
     for load in ("tension", "bending", "mixed"):
         table, _, _ = loaded(tmp_path / load, load=load, record=1, chunk=100, limit=700, B0=1e12)
         speed = np.diff(table["way"]) / np.diff(table["time"])
         jump = np.abs(np.diff(speed)).max() / speed.max()
-        # the steepest place of the ramp, a step long
+        # the steepest piece of the ramp, a step long
         figures.below(f"{load}: largest change of speed in a step over that of the ramp",
                       jump / (0.5 * math.pi * np.diff(table["time"])[0] / 1e-5), 1.01)
         assert speed[0] < 1e-4 * speed.max()
@@ -90,9 +90,9 @@ def test_each_shape_breaks(shape, tmp_path):
     assert result["mode"] in ("internal", "debonding", "mixed")
 
 
-def test_force_and_way(tmp_path, figures):
+def test_force_and_displacement(tmp_path, figures):
     """A bead pulled by a growing force breaks at the force at which one that is moved does; compression of the
-    symmetric law is tension the other way."""
+    symmetric law is tension with the other sign."""
     peak = {}
     for load in ("tension", "force", "compression"):
         table, result, _ = loaded(tmp_path / load, load=load, speed=0.02, ramp=2e-5, rate=5e6)
@@ -106,7 +106,7 @@ def test_force_and_way(tmp_path, figures):
     ("shape", "flt", "-var shape: must be flat, meniscus"), ("load", "tensoin", "-var load: must be tension"),
     ("content", "-1", "-var content: must lie in"), ("speed", "0", "-var speed: must not be 0"),
     ("diameter", "1", "-var diameter: must lie in"), ("limit", "3", "-var limit: must be at least"), ("regularization", "crackbnd", "must be one of none, crackband")])
-def test_words_of_the_script(word, value, expected, tmp_path):
+def test_variables_of_the_script(word, value, expected, tmp_path):
     result = launch(SCRIPT.read_text(), tmp_path, name="in.pair_table", arguments=["-var", word, value])
     assert result.status != 0 and len(result.errors()) == 1
     assert expected in result.errors()[0]
@@ -173,7 +173,7 @@ def test_table_is_resumed(tmp_path):
     (["--set", "spede=1"], "spede: no variable of the table"), (["--set", "speed"], "--set speed: must be NAME=VALUE"),
     (["--vary", "refine=0"], "refine 0: must be a positive number"), (["--table", "none.json"], "none.json: No such file"),
     (["--exe", "/nowhere/x"], "/nowhere/x: no such executable")])
-def test_words_of_the_driver(words, expected, tmp_path):
+def test_arguments_of_the_driver(words, expected, tmp_path):
     result = subprocess.run([PYTHON, ROOT / "tools" / "pair_table.py", tmp_path / "out", "--exe", executable(), *words],
                             capture_output=True, text=True, timeout=60 * PATIENCE)
     assert result.returncode != 0 and expected in result.stderr and len(result.stderr.strip().splitlines()) == 1
@@ -201,7 +201,7 @@ def test_figures_of_a_load(tmp_path):
 
 
 def test_points_of_a_file(tmp_path):
-    """Shape file takes the points of another program: those of the shape itself break alike; a table of them needs the word."""
+    """Shape file takes the points of another program: those of the shape itself break alike; a table of them needs the variable `points`."""
     script = ROOT / "examples" / "flawed_pair" / "in.solid"
     made = launch(script.read_text(), tmp_path, name="in.solid", arguments=["-var", "content", "0.01", "-var", "spacing", "2e-4"])
     assert made.status == 0 and (tmp_path / "solid.txt").exists()

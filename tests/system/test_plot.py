@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""tools/mpdem_plot.py says of each bond what the table of fix mpm/couple says: state, mode, sign of load and way."""
+"""tools/mpdem_plot.py says of each bond what the table of fix mpm/couple says: state, mode, sign of load and displacement."""
 import csv
 import re
 import subprocess
@@ -211,8 +211,8 @@ def test_redraw_bad_table(tmp_path, text):
     assert done.returncode == 1 and "not a table.csv of pair_table.py" in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
 
 
-def test_skins():
-    """Points linked to a grain that failed without letting go of it are skins; those inside, or that let go, are not."""
+def test_residue():
+    """Failed points that are still bonded to a grain are its residue; those inside, or debonded, are not."""
     sys.path.insert(0, str(ROOT / "tools"))
     from mpdem.interface import skins
     first = {"id": np.array([1, 2, 3, 4]), "c_attached": np.array([1, 1, 1, 0]), "c_grain": np.array([7, 7, 8, 0])}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every column of compute mpm/atom against closed forms: cement that is no more than a body, set in motion by v = L x.
+"""Every column of compute mpm/atom against closed forms: cement without a coupling, set in motion by v = L x.
 
 No stress acts before the first step, so that after it every point has the same F = 1 + dt L. Two bonds in a row, so
-that there are three grains and bodies with origins of their own.
+that there are three grains and bonds with origins of their own.
 """
 import numpy as np
 import pytest
@@ -64,7 +64,7 @@ def stiffness(Ep, Ez, nu_p, nu_zp, Gzp, axis):
 
 
 def strain_and_turn(F):
-    """Of one step, Hughes and Winget 1980: d and w of the displacement by the place in the middle of the step."""
+    """Of one step, Hughes and Winget 1980: d and w of the displacement by the position in the middle of the step."""
     G = (F - np.eye(3)) @ np.linalg.inv(0.5 * (F + np.eye(3)))
     d, w = 0.5 * (G + G.T), 0.5 * (G - G.T)
     return d, np.linalg.inv(np.eye(3) - 0.5 * w) @ (np.eye(3) + 0.5 * w)
@@ -94,7 +94,7 @@ def test_undamaged(tmp_path, figures):
 
 
 def test_turned(tmp_path, figures):
-    """The axis goes with the spin, and so does the stress that belongs to it."""
+    """The axis rotates with the spin, and so does the stress that belongs to it."""
     F = np.eye(3) + 0.02 * np.array([[0.0, -0.6, 0.3], [0.6, 0.0, -0.8], [-0.3, 0.8, 0.0]])
     _, p = moved(F, tmp_path, elastic=CALCITE, axis="global 3 -2 6")
     strain, Q = strain_and_turn(F)

@@ -58,7 +58,7 @@ def test_round_trip(tmp_path, figures):
 
 
 def test_round_trip_of_a_skew_bond(tmp_path, figures):
-    """The lattice along the axes of the bond is found: damage, axes and foot points turn into them and back, and the bond breaks as the one it came from."""
+    """The lattice along the axes of the bond is found: damage, axes and foot points are rotated into them and back, and the bond breaks as the one it came from."""
     n, box = (1, 2, 3), 3 * (12.5e-3,)
     made = pair(SPACING, direction=n, half_box=box)
     body = cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + pull(8.0, 2e-6, n) + thermo(10, ["f_bond", "f_cem[8]", "f_bond[17]"])
@@ -96,7 +96,7 @@ def test_round_trip_of_a_skew_bond(tmp_path, figures):
 
 
 def test_round_trip_of_a_broken_bond(tmp_path, figures):
-    """Damage, axes, failed points and links that let go survive, though a grain has moved."""
+    """Damage, axes, failed points and debonded links survive, though a grain has moved."""
     script = (pair(SPACING) + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + PULL + "run 700\n"
               "write_cement cement.txt\n"
               'variable q1 equal x[1]\nvariable q2 equal z[1]\nvariable q3 equal x[2]\nvariable q4 equal z[2]\n'
@@ -285,7 +285,7 @@ WORDS = {
 
 
 @pytest.mark.parametrize("name", WORDS)
-def test_bad_words(tmp_path, name):
+def test_bad_options(tmp_path, name):
     script, words = WORDS[name]
     result = launch(script, tmp_path, 2)
     errors = result.errors()
@@ -356,8 +356,8 @@ def test_report(ring, tmp_path, figures):
 
 
 @pytest.mark.parametrize("damage", ["", DAMAGE])
-def test_links_that_let_go_before_hold_nothing(ring, tmp_path, damage):
-    """The file has no link to the second grain: the bond is in two from the start, with a law that cannot break too, and damping does not hold that grain."""
+def test_links_debonded_before_carry_nothing(ring, tmp_path, damage):
+    """The file has no link to the second grain: the bond is separated from the start, also with a law that cannot break, and damping does not hold that grain."""
     columns = dict(ring)
     columns["attached_j"] = 0.0 * columns["attached_j"]
     write(tmp_path / "cement.txt", columns)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""create_cement ... points later: condensed bonds have no points until they wake, and nothing else changes."""
+"""create_cement ... points later: condensed bonds have no points until they are activated, and nothing else changes."""
 import csv
 import re
 from pathlib import Path
@@ -27,7 +27,7 @@ COLUMNS = ["f_bond", AWAKE] + [f"f_cem[{k}]" for k in range(1, 24) if k != 12] +
 
 @pytest.mark.parametrize("shape, size", [("flat", FLAT), ("coating", "thickness 3e-4 cap 25")])
 def test_through_failure(shape, size, tmp_path, figures):
-    """What the tables say of a bond is the same without its points, and when they are made. It wakes a step later."""
+    """What the tables say of a bond is the same without its points, and when they are made. It is activated a step later."""
     found = {}
     for points in ("now", "later"):
         text = scene(points, shape=shape, size=size, **SKEW) + pull(0.5, 8e-6, SKEW["direction"]) + thermo(5, COLUMNS + ["atoms"])
@@ -41,7 +41,7 @@ def test_through_failure(shape, size, tmp_path, figures):
         size_of = np.abs(now[name]).max()
         before = np.abs(now[name] - later[name])[:wakes[0]].max()
         assert before <= 1e-9 * size_of, (name, before, size_of)
-    alike = now[AWAKE] == later[AWAKE]  # else the force of the one is that of the static fields yet
+    alike = now[AWAKE] == later[AWAKE]  # else the force of one is still that of the static fields
     figures.below(f"{shape}: force from the waking on, over its peak", np.abs(now["f_bond"] - later["f_bond"])[alike].max() / now["f_bond"].max(), 1e-4)
     assert abs(now["f_cem[2]"][-1] - later["f_cem[2]"][-1]) <= 2
 
@@ -73,7 +73,7 @@ def test_sides_that_follow_the_atoms(boundary, ranks, tmp_path, figures):
 
 @pytest.mark.parametrize("at", [300, 770, 900])
 def test_restart(at, tmp_path):
-    """Without points, when they are asked for, and with them: the same to the bit."""
+    """Without points, when they are asked for, and with them: bitwise identical."""
     script = scene("later", half_box=(6e-3, 6e-3, 12.5e-3)) + pull(0.5, 8e-6)
     columns = ["f_bond", AWAKE, "f_cem[2]", "f_cem[5]", "f_cem[6]", "f_cem[7]"]
     whole = run(script + thermo(10, columns) + f"run {at}\nwrite_restart r\nrun 700\n", tmp_path, 2).table()
@@ -85,7 +85,7 @@ def test_restart(at, tmp_path):
 
 
 def test_no_condensed_bonds(tmp_path):
-    """Where bonds need their points, `points all` makes them at the start: the run is that of `points now`, to the bit."""
+    """Where bonds need their points, `points all` makes them at the start: the run is that of `points now`, bitwise."""
     tables = {}
     for points in ("now", "later"):
         for word in ("condense no", "condense yes cracks split", "condense yes"):
@@ -99,7 +99,7 @@ def test_no_condensed_bonds(tmp_path):
 
 
 def test_all_points(tmp_path):
-    """`fix_modify ... points all` makes them, where they are by now: files of points and the stiffness are those of `points now`."""
+    """`fix_modify ... points all` makes them at their present positions: files of points and the stiffness are those of `points now`."""
     for points in ("now", "later"):
         text = scene(points, **SKEW) + "velocity first set 0.01 0.02 0\nvelocity second set 0.03 0.01 0.01\nset group second omegaz 40\nfix motion grains nve/sphere\n"
         run(text + f"run 200\nbond_stiffness {points}.csv\nfix_modify cem points all\nrun 0\nwrite_cement {points}.txt\n", tmp_path)
@@ -113,7 +113,7 @@ def test_all_points(tmp_path):
 
 
 def test_history_of_contacts(tmp_path):
-    """Two more beads slide on each other, on two ranks. Points that are made take the places of ghosts; the contact still knows its history."""
+    """Two more beads slide on each other, on two ranks. Points that are made take the indices of ghosts; the contact still knows its history."""
     found = {}
     for points in ("now", "later"):
         text = edit(pair(1e-4, gap=2e-4, cement=f"{FLAT} points {points}", half_box=(0.012, 0.02, 0.0125), processors="2 1 1"), "set          type 1 diameter",
@@ -139,7 +139,7 @@ def packing(points, directory, ranks, steps=450):
 
 
 def test_packing(tmp_path):
-    """Free beads with many bonds, contacts with a history, ranks: the same bonds wake and come apart by the same steps."""
+    """Free beads with many bonds, contacts with a history, ranks: the same bonds are activated and separate by the same steps."""
     rows, force = {}, {}
     for points, ranks in (("now", 2), ("later", 1), ("later", 2), ("later", 4)):
         (tmp_path / f"{points}{ranks}").mkdir()
@@ -182,7 +182,7 @@ def test_message(name, tmp_path):
 
 
 def test_a_bond_that_cannot_be_condensed(tmp_path):
-    """Its free edge holds by next to nothing. The message names it, and its cure works."""
+    """Its free edge is connected by almost nothing. The message names it, and its cure works."""
     def script(points):
         return (pair(1.5e-4, cement=f"inner 1e-3 outer 1.7e-3 points {points}") + cement(3e-4, 4e-9, axis="radial", damage="damage tensor B0 9.6e4 cutoff 0.9 edge free condense yes")
                 + "fix hold grains move linear 0 0 0\nrun 1\n")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Kinetic share of the energy and unbalanced force, against what dumps of LIGGGHTS and the table of the bonds tell; the warning of loads that are not quasi-static."""
+"""Kinetic share of the energy and unbalanced force, against dumps of LIGGGHTS and the table of the bonds; the warning of loads that are not quasi-static."""
 import csv
 import re
 
@@ -49,7 +49,7 @@ def dumped(directory, name, step):
     return np.array([[float(w) for w in line.split()] for line in lines]) if lines else np.zeros((0, 9))
 
 
-FREE = {**{i: np.array([1, 1, 1]) for i in range(5, 9)}, **{i: np.array([0, 1, 0]) for i in range(9, 13)}}  # components, by ID; the latter do not turn
+FREE = {**{i: np.array([1, 1, 1]) for i in range(5, 9)}, **{i: np.array([0, 1, 0]) for i in range(9, 13)}}  # components, by ID; the latter do not rotate
 
 
 def expected(directory, step, of_cement, put_in, scale, mass):
@@ -129,7 +129,7 @@ def test_ranks_with_dashpots(tmp_path, figures):
 
 
 def test_asking_changes_nothing(tmp_path):
-    """Other rows, or none at all, leave the run as it is to the bit, and a compute of the script has its contacts."""
+    """Other rows, or none at all, leave the run bitwise as it is, and a compute of the script has its contacts."""
     ends = []
     for number, (told, every) in enumerate(((TOLD, 20), (TOLD.replace(" 20 ", " 200 "), 200), ("", 200))):
         folder = tmp_path / str(number)
@@ -170,7 +170,7 @@ TENTH = 0.1  # share of the energy that damage has dissipated when a pair counts
 
 
 def pulled(words, motion, steps, couple="kn auto kt auto"):
-    """A pair that is pulled; it bears most at some 3e-7 m."""
+    """A pair that is pulled; its peak load is at some 3e-7 m."""
     return (pair(CELL / 2) + edit(cement(CELL, 1e-8, CALCITE, "radial", "damage tensor B0 9.6e3 cutoff 0.9", couple), "mpm cell", f"mpm {words} cell") + motion
             + thermo(100, ["f_cem[2]", "f_cem[8]", "f_cem[11]", "f_cem[33]", "f_bond[17]"]) + f"run {steps}\n")
 
@@ -229,8 +229,8 @@ def test_first_steps(tmp_path):
     assert result.table()["f_cem[2]"][-1] > 10 and len(told(result)) == 1
 
 
-def test_links_that_let_go(tmp_path):
-    """Links that let go by themselves count where neither points fail nor much was dissipated."""
+def test_links_that_debond(tmp_path):
+    """Debonded links count alone, where neither points fail nor much was dissipated."""
     result = run(pulled("", FAST, 300, "interface cohesive tn 1e6 tt 1e6 Gn 1e-4 Gt 1e-4"), tmp_path)
     t = result.table()
     assert t["f_bond[17]"].max() > 10 and t["f_cem[2]"].max() == 0 and (t["f_cem[8]"][1:] < TENTH * t["f_cem[11]"][1:]).all()
@@ -249,7 +249,7 @@ fix          pull2 fourth move variable NULL NULL v_along2 NULL NULL v_speed2
 """
 
 
-def test_what_breaks_after_a_calm(tmp_path):
+def test_what_breaks_after_a_rest(tmp_path):
     """After a bond broke slowly, what breaks next is judged once all was at rest between, and not before."""
     text = pulled("quasistatic 1 0.5 check 10", SLOW, 4500)
     second = text.replace("create_atoms 1 single 0 0 0.005 units box\n", "create_atoms 1 single 0 0 0.005 units box\ncreate_atoms 1 single 0.02 0 -0.005 units box\ncreate_atoms 1 single 0.02 0 0.005 units box\n")

@@ -10,7 +10,7 @@ VECTORS = [[f"{v}{c}" for c in "xyz"] for v in ("", "v", "omega", "f")]
 QUANTITIES = ["damage", "failed", "attached", "stress_zz", "stress_xy", "strain_yy", "axis_x"]
 COLUMNS = sum(VECTORS, []) + [f"c_{q}" for q in QUANTITIES]
 SCALARS = ["f_bond", "f_bond[4]", "f_bond[6]", "f_bond[17]", "f_cem[6]", "f_cem[8]", "f_cem[11]", "f_cem[12]"]
-# Grain 2 leaves and turns, which its cement only knows from its orientation.
+# Grain 2 moves away and rotates, which its cement only knows from its orientation.
 LEAVING = "velocity second set 0.05 0.1 0.3\nset group second omegaz 300\n"
 FIXES = cement(2e-4, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
 MOVING = "fix motion grains nve/sphere\n"
@@ -46,7 +46,7 @@ def continue_in(directory, first_run, ranks):
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
-def test_to_the_bit(tmp_path, first, figures, ranks):
+def test_bitwise_identical(tmp_path, first, figures, ranks):
     a, b = first(ranks), continue_in(tmp_path, first(ranks), ranks)
     for step in (BEFORE, BEFORE + AFTER):
         p, q = a.points(step), b.points(step, "continued")
@@ -102,9 +102,9 @@ def test_events_before_the_file_are_in_the_log(tmp_path):
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
-def test_table_goes_on_to_the_bit(tmp_path, ranks):
-    """Of free grains, whose velocities at the step of the file are other ones for the run that wrote it: the table is that of
-    a run that went on, by a fix after fix mpm too."""
+def test_table_goes_on_bitwise(tmp_path, ranks):
+    """Of free grains, whose velocities at the step of the file differ from those of the run that wrote it: the table is that of
+    a run that went on, with a fix after fix mpm too."""
     scene = FIXES + "fix g grains nve/sphere\n"
     push = "fix push second addforce 0 0 -5\n"
     whole = run(pair(1e-4, gap=2e-4) + edit(scene, "couple cem", "couple cem csv 10 bond.csv") + "velocity second set 0.03 0.02 1\n" + push
@@ -125,7 +125,7 @@ def test_table_goes_on_to_the_bit(tmp_path, ranks):
 
 
 def test_peak_goes_on_whoever_asks(tmp_path):
-    """The largest tension of a bond, in the file and after a look at it before the run goes on."""
+    """The largest tension of a bond, in the file and when a script reads it before the run goes on."""
     look = 'variable peak equal f_bond[21]\nprint "peak ${peak}"\n'
     turn = "run 200\nunfix pull\nfix pull second move linear 0 0 -20\nrun 100\n"
     first = run(pair(1e-4) + cement(2e-4, 1e-8) + "fix hold first move linear 0 0 0\nfix pull second move linear 0 0 0.02\n"
@@ -251,7 +251,7 @@ def test_other_atom_styles_have_no_seal(tmp_path):
 
 
 def test_written_again_without_a_run(tmp_path, first):
-    """The motion of nodes that no run has taken up would be lost."""
+    """The motion of nodes that no run has read would be lost."""
     shutil.copy(first(1).directory / "middle.restart", tmp_path)
     done = launch(edit(CONTINUED, f"run {AFTER}\n", "write_restart other.restart\n"), tmp_path)
     assert done.status != 0 and "use 'run 0' before write_restart" in done.errors()[0], done.output[-1000:]
@@ -261,7 +261,7 @@ def test_written_again_without_a_run(tmp_path, first):
     assert all((one[name] == other[name]).all() for name in SCALARS)
 
 
-def test_cement_made_after_a_look_at_stiffness(tmp_path, first):
+def test_cement_made_after_bond_stiffness(tmp_path, first):
     """A command that lays out the bonds of the file comes before a bond that the file does not have."""
     shutil.copy(first(1).directory / "middle.restart", tmp_path)
     more = ("create_atoms 1 single 0 0 -0.0122 units box\nset atom {id} diameter 0.004 density 2500\ngroup grains id {id}\n"
@@ -273,8 +273,8 @@ def test_cement_made_after_a_look_at_stiffness(tmp_path, first):
     assert all((tables[0][name] == tables[1][name]).all() for name in SCALARS)
 
 
-def test_grains_on_a_side_of_a_rank(tmp_path):
-    """LIGGGHTS exchanges atoms before it writes, and forces do not go along: grains that have crossed a side since have any force."""
+def test_grains_on_a_side_of_a_subdomain(tmp_path):
+    """LIGGGHTS exchanges atoms before it writes, and forces do not go along: grains that have crossed a side of a subdomain since have any force."""
     columns = thermo(1, ["f_cem[5]", "f_cem[6]", "f_bond[7]", "f_bond[10]"])
 
     def table(ranks, processors, write):

@@ -41,7 +41,7 @@ class File:
     def __init__(self, data):
         self.data = data
         end = len(data) - (SEAL if data[-SEAL:-SEAL + 8] == b"MPDEMend" else 0)
-        self.head = data.index(b"MPDEMrst") + 8  # version, numbers of a bond, bonds, patterns, whether there is a seal
+        self.head = data.index(b"MPDEMrst") + 8  # version, numbers of a bond, bonds, templates, whether there is a seal
         size, bonds = self.integer(self.head + 4), self.integer(self.head + 8)
         assert size == BOND_NUMBERS and bonds == 1
         self.bond = self.head + 20

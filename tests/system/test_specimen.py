@@ -77,7 +77,7 @@ def test_specimen(cemented, tmp_path, figures):
     told, = re.findall(r"^fix mpm \(id cem\): of (\d+) bonds points failed in \d+, .*: (.*)$", result.output, re.M)[-1:]
     modes = {mode: int(n) for n, mode in re.findall(r"(\d+) (\w+)", told[1])}
     assert int(told[0]) == len(last)
-    # the end of a run looks once more than the last row
+    # one more check follows the last row, at the end of a run
     assert 3 < curve["broken"][-1] <= sum(n for mode, n in modes.items() if mode != "intact") < 1.5 * curve["broken"][-1]
     assert len(apart) > 3 and set(apart) <= set(modes)
     with open(tmp_path / "events.csv") as f:
@@ -177,7 +177,7 @@ def test_pressure_holds(wall, cemented, tmp_path, figures):
 
 
 def test_without_cement(poured, tmp_path, figures):
-    """The beads alone, with a pressure on all sides, bear little more than that, and no column tells of cement."""
+    """The beads alone, with a pressure on all sides, carry little more than that, and no column is of cement."""
     result = load(poured, tmp_path, start="poured", pressure=5e4, record=50, strain=0.02)
     curve = rows(tmp_path)
     assert not any(curve[c].any() for c in ("failed", "awake", "broken", "elastic", "work"))

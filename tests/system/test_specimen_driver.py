@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""tools/specimen.py: a tiny specimen is poured, cemented and broken; the driver resumes; bad words."""
+"""tools/specimen.py: a tiny specimen is poured, cemented and broken; the driver resumes; bad arguments."""
 import csv
 import json
 import os
@@ -91,7 +91,7 @@ def test_confined(driven, figures, pressure):
 
 
 def test_ramp(driven, figures):
-    """The plate takes up its speed along half a wave of a cosine."""
+    """The speed of the plate rises along half a wave of a cosine."""
     out, _ = driven
     c = curve(out, "compression_0.012")
     ramp, speed = 2e-5, 0.2

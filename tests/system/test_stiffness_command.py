@@ -138,7 +138,7 @@ BREAKING = (pair(1e-4) + cement(2e-4, 2e-9, axis="radial", damage="damage tensor
 
 
 def test_damage_and_what_is_broken(tmp_path):
-    """Damage takes stiffness; a bond in two has none."""
+    """Damage reduces stiffness; a separated bond has none."""
     run(BREAKING + "bond_stiffness a.csv\nrun 160\nbond_stiffness b.csv\nrun 3000\nbond_stiffness c.csv\n", tmp_path, 2)
     whole, damaged, broken = (rows_of(tmp_path / f"{name}.csv")[0] for name in "abc")
     assert 0.01 < damaged["tension"] / whole["tension"] < 0.99, (damaged["tension"], whole["tension"])
@@ -146,7 +146,7 @@ def test_damage_and_what_is_broken(tmp_path):
 
 
 def test_nothing_else_changes(tmp_path):
-    """Before a run and between runs: what comes after is the same to the bit."""
+    """Before a run and between runs: what comes after is bitwise identical."""
     def script(asks):
         return BREAKING + thermo(100, ["f_bond", "f_cem"]) + f"{asks}run 300\n{asks}run 300\n"
     tables = [run(script(asks), tmp_path / name, 2).table() for name, asks in (("with", "bond_stiffness k.csv\n"), ("without", ""))]
@@ -155,7 +155,7 @@ def test_nothing_else_changes(tmp_path):
 
 
 def test_after_a_restart(tmp_path):
-    """Damaged and turned, from the file as in the run that wrote it."""
+    """Damaged and rotated, from the file as in the run that wrote it."""
     run(BREAKING + "run 160\nwrite_restart r\nbond_stiffness a.csv\n", tmp_path, 2)
     fixes = "".join(line + "\n" for line in BREAKING.splitlines() if line.startswith(("timestep", "fix          cem", "fix          bond")))
     run(restarted("r") + fixes + "bond_stiffness b.csv\n", tmp_path)

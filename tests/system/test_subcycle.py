@@ -20,7 +20,7 @@ def breaking(n, word=None, more=""):
 
 
 def test_one_is_none(tmp_path):
-    """To the bit."""
+    """Bitwise identical."""
     tables = [run(edit(breaking(1), " subcycle 1 ", words) + thermo(50, ["f_bond"] + SUMS) + "run 1000\n", tmp_path / str(k)).table()
               for k, words in enumerate(["  ", " subcycle no ", " subcycle 1 "])]
     for t in tables[1:]:
@@ -30,7 +30,7 @@ def test_one_is_none(tmp_path):
 
 @pytest.mark.parametrize("more", ["", "cracks split", "regularization nonlocal 2e-4"])
 def test_breaking(more, tmp_path, figures):
-    """A pair that is pulled apart: force, energies and mode of the pair that takes short steps."""
+    """A pair that is pulled until it breaks: force, energies and mode of the pair that takes short steps."""
     fine = run(breaking(1, more=more) + thermo(100, ["f_bond"] + SUMS) + "run 6000\n", tmp_path / "fine").table()
     coarse = run(breaking(10, more=more) + thermo(10, ["f_bond"] + SUMS) + "run 600\n", tmp_path / "coarse").table()
     figures.below("peak of the force", abs(coarse["f_bond"].max() / fine["f_bond"].max() - 1), 5e-3)
@@ -42,7 +42,7 @@ def test_breaking(more, tmp_path, figures):
 
 
 def test_condensed(tmp_path, figures):
-    """Condensed bonds take sub-steps, too: a pair that is lifted, whose other grain is free and weighs. It wakes and breaks, as in short steps."""
+    """Condensed bonds take sub-steps, too: a pair that is lifted, whose other grain is free and weighs. It is activated and breaks, as in short steps."""
     text = (ROOT / "examples" / "two_clocks" / "in.two_clocks").read_text()
     peak = {}
     for word, step in (("auto", "4e-7"), ("no", "5e-8")):
@@ -65,13 +65,13 @@ def test_ranks(tmp_path):
 
 
 def flying(n, word=None):
-    """A free pair that spins; it swings as its cement pulls it around. With a contact that presses on it."""
+    """A free pair that spins; it oscillates as its cement pulls it around. With a contact that presses on it."""
     text = pair(2e-4, cement="outer 1.5e-3 inner 0.3e-3", half_box=(0.02, 0.02, 0.02))
     return edit(text, "density 2500", "density 250") + CONTACT + cement(4e-4, n * 1.6e-8, damage=f"subcycle {word or n}") + SPINNING
 
 
 def test_flight(tmp_path, figures):
-    """Momentum to rounding, angular momentum as well as the positions of grains that swing are known; energy of grains and cement."""
+    """Momentum to rounding, angular momentum as well as the positions of grains that oscillate are known; energy of grains and cement."""
     found = {}
     for n in (1, 8):
         energy = ('compute k grains reduce sum v_kin\nvariable E equal c_k+f_cem[5]+f_cem\n')
@@ -90,7 +90,7 @@ def test_flight(tmp_path, figures):
 
 @pytest.mark.parametrize("at", [60, 110])
 def test_restart(at, tmp_path):
-    """Of free grains that the cement and a contact swing, to the bit."""
+    """Of free grains that oscillate on the cement and a contact: bitwise identical."""
     columns = ["f_bond", "f_cem[5]", "f_cem[6]", "f_cem[7]"]
     script = flying(8)
     whole = run(script + thermo(10, columns) + f"run {at}\nwrite_restart r\nrun 200\n", tmp_path, 2).table()
@@ -111,7 +111,7 @@ def test_auto(tmp_path, figures):
 
 
 def test_auto_while_cement_softens(tmp_path, figures):
-    """Damage leaves a longer stable step behind, but sub-steps stay as long as they were: a run in parts keeps its books, and goes on from a file to the bit."""
+    """Damage leaves a longer stable step behind, but sub-steps stay as long as they were: a run in parts keeps its energy balance, and goes on bitwise from a file."""
     fixes = (cement(4e-4, 2.1e-7, damage="damage mazars kappa0 3e-4 At 0.95 Bt 2e3 regularization nonlocal 4e-4 subcycle auto")
              + "variable t equal step*dt\nvariable z equal 1e3*v_t*v_t\nvariable w equal 2e3*v_t\n"
              + "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_z NULL NULL v_w\n"
@@ -177,7 +177,7 @@ def test_example(tmp_path, figures):
 
 def test_stability(figures):
     """Of the method itself. Without a contact, and with one at a fifth of the limit, nothing grows; with one at the limit what the page says. Means with weights that
-    are found in each step feed nothing into a swing, either."""
+    are found in each step feed no energy into an oscillation, either."""
     sys.path.insert(0, str(ROOT / "tests" / "verification"))
     from subcycle_stability import RATIOS, Scene, growth, swings
     most = swings([Scene(ratio, steps, share) for ratio, steps in ((10, 12), (100, 5), (1000, 17)) for share in (0.9, 0.5)], 10000).max()

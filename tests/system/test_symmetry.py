@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is symmetric stays symmetric: mirrored at the plane between equal grains, and turned by 90 degrees about their line.
+"""What is symmetric stays symmetric: mirrored at the plane between equal grains, and rotated by 90 degrees about their line.
 
 Grid, lattice and shapes have both symmetries, the motion of the grains too: one goes down as the other goes up. Sums
 run in different orders, so rounding is all that may differ. It stays rounding as long as nothing amplifies it: in the

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where a bond lies in the box, how it is turned, and which of its grains is the first do not matter.
+"""Where a bond lies in the box, how it is rotated, and which of its grains is the first do not matter.
 
 The lattice of the points and the grid are cubic and lie about the middle of the gap, along the line of centres. So a pair that is moved,
-turned onto that line whichever way it points, mirrored at a plane of the grid or turned by a quarter about an axis of it is the same pair:
+rotated onto that line whichever way it points, mirrored at a plane of the grid or rotated by a quarter about an axis of it is the same pair:
 forces of it agree to rounding. So do they with the IDs of the grains swapped, but for columns that belong to a grain, which swap. With viscosity this holds through failure;
 without it up to the first failure, from where on rounding may grow (test_symmetry.py).
 """
@@ -89,7 +89,7 @@ def first_failure(done):
 
 # The mirror swaps the grains.
 def test_points_in_the_middle(tmp_path, figures):
-    """A bond with a crevice, which breaks with failed points as near to the one grain as to the other."""
+    """A bond with an unbonded gap, which breaks with failed points as near to the one grain as to the other."""
     R, along = mirror(0), np.array([0.54, 0.64, 0.54])
     one, other = (run(scene(MENISCUS, M @ DIAGONAL, M @ along, 750, VISCOUS, every=25), tmp_path) for M in (np.eye(3), R))
     f, apart = moved(forces(one), R), one.table()["f_bond[22]"] > 0
@@ -103,7 +103,7 @@ def test_points_in_the_middle(tmp_path, figures):
 
 @pytest.mark.parametrize("words, limit", [("basis linear", 7e-9), ("basis linear condense yes", 5e-9), ("timestep auto 0.3", 2.5e-9)])
 def test_axes_of_the_box(words, limit, tmp_path, figures):
-    """Along another axis of the box the nodes have another order. Added mass and 'timestep auto' go by an eigenvalue that does not depend on it."""
+    """Along another axis of the box the nodes have another order. Added mass and 'timestep auto' depend on an eigenvalue that does not change with it."""
     along = {}
     for d in range(3):
         n = np.eye(3)[d]
@@ -120,7 +120,7 @@ def test_axes_of_the_box(words, limit, tmp_path, figures):
                                         pytest.param((0.3, -1, 0), (0, -1, 0), marks=pytest.mark.long)],
                          ids=["123", "111", "-312", "in a plane"])
 def test_any_direction(n, nearest, tmp_path, figures):
-    """Forces, shares and sums of a skew pair, with gravity across it, are those of one along an axis, turned."""
+    """Forces, shares and sums of a skew pair, with gravity across it, are those of one along an axis, rotated."""
     R, along, g = turn_onto(np.array(nearest, float), unit(n)), np.array([0.4, 0.8, 0.9]), np.array([3e4, -2e4, 1e4])
 
     def loaded(axis, turn):
@@ -205,7 +205,7 @@ def test_moved_mirrored_and_turned(damage, tmp_path, figures, long):
 
 
 def opens_and_slides(R):
-    """A bead of 4 mm is pulled off one of 10 mm, pushed back, and shaken across, in the axes that R turns."""
+    """A bead of 4 mm is pulled off one of 10 mm, pushed back, and shaken across, in the axes that R rotates."""
     to = [int(np.argmax(abs(R @ e))) for e in np.eye(3)]
     assert (R @ np.eye(3) >= -1e-12).all(), "a permutation of the axes"
 
@@ -228,7 +228,7 @@ def opens_and_slides(R):
 
 
 def test_friction(tmp_path, figures):
-    """What let go goes on to other points, of which several are as near. None of them comes first."""
+    """Contact points are remapped to other material points, of which several are equally near. None of them comes first."""
     def forces_of(R):
         done = run(opens_and_slides(R), tmp_path)
         return forces(done), done.table()["f_cem[2]"]
@@ -270,7 +270,7 @@ def test_across_a_periodic_boundary(tmp_path, figures):
                   1e-9)
 
 
-# Shape, line of centres, way of the pull, steps. All come apart within them.
+# Shape, line of centres, direction of the pull, steps. All separate within them.
 SWAPPED = {"flat": (FLAT, (0, 0, 1), (0, 0, 1), 450, ""), "flat along (1,0,1)": (FLAT, DIAGONAL, DIAGONAL, 450, ""),
            "meniscus": (MENISCUS, (0, 0, 1), (0.64, 0, 0.77), 750, VISCOUS), "coating": (COATING, (0, 0, 1), (0, 0, 1), 400, "")}
 

@@ -51,7 +51,7 @@ def test_stopped_above_the_limit(share, limit, tmp_path):
 
 
 def test_new_reference(tmp_path, figures):
-    """Tents have another limit for each place of the points: the run stops when a new reference takes them to a worse one."""
+    """Linear hat functions have another limit for each position of the points: the run stops when a new reference moves them to a worse one."""
     def drag(words):
         script = pair(CELL / 2) + edit(cement(CELL, 1e-9), "mpm cell 0.0002", f"mpm cell 0.0002 basis linear {words}")
         way = CELL / 2
@@ -81,7 +81,7 @@ def test_auto_goes_to_other_fixes(tmp_path, limit):
 
 
 def test_auto_never_lengthens(tmp_path):
-    """Cement that softens and fails leaves longer steps behind; what goes by step*dt would jump with them."""
+    """Cement that softens and fails leaves longer steps behind; motion by step*dt would jump with them."""
     script = pair(CELL / 2) + edit(cement(CELL, 1e-9, damage="damage tensor B0 9.6e3 cutoff 0.9"), "mpm cell 0.0002", "mpm cell 0.0002 timestep auto 0.9")
     script += pull(1.0, 4e-6) + thermo(10, ["dt", "f_cem[2]", "f_bond[13]"])
     t = run(script + 4 * "run 250\n", tmp_path).table()
@@ -90,7 +90,7 @@ def test_auto_never_lengthens(tmp_path):
 
 
 def test_auto_keeps_a_stable_step(tmp_path):
-    """Parts that come apart have another limit. A step that is below it stays, since motion by step*dt would jump with it."""
+    """Pieces that separate have another limit. A step that is below it stays, since motion by step*dt would jump with it."""
     first = re.search(r"```liggghts\n(.*?)```", README.read_text(), re.S)[1]
     for old, new in (("timestep     1.5e-8\n", ""), ("B0 9.6e3\n", "B0 9.6e3 timestep auto 0.9\n")):
         first = edit(first, old, new)
@@ -163,7 +163,7 @@ def test_quasistatic(tmp_path, figures):
 
 @pytest.mark.parametrize("density", [25, 1])
 def test_damping_that_light_free_grains_admit(tmp_path, figures, density):
-    """The damping that the warning advises leaves nine tenths of the step without damping; the one of the script leaves less than inertia as it is."""
+    """The damping that the warning advises leaves nine tenths of the step without damping; the one of the script leaves less than unscaled inertia does."""
     def step(words, **where):
         script = edit(pair(CELL / 2), "density 2500", f"density {density}") + edit(cement(CELL, 1e-9), "mpm cell 0.0002", f"mpm cell 0.0002 timestep auto 1 {words}")
         out = run(script + "fix motion grains nve/sphere\nrun 0\n", tmp_path).output
@@ -176,8 +176,8 @@ def test_damping_that_light_free_grains_admit(tmp_path, figures, density):
     assert not none and abs(free / plain / 10 - 1) < 1e-3
 
 
-def test_a_loose_piece_is_damped_with_no_grain(tmp_path, figures):
-    """Both grains let go and leave to either side: what is left in the middle is drawn along by neither."""
+def test_a_fragment_is_damped_with_no_grain(tmp_path, figures):
+    """Both grains debond and leave to either side: neither draws the fragment in the middle along."""
     script = pair(CELL / 2) + edit(cement(CELL, 1e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3 interface 0.1"),
                                    "mpm cell 0.0002", "mpm cell 0.0002 timestep auto 0.9 quasistatic 1 1 check 50")
     script += ("variable zz equal 0.2*step*dt*step*dt/4e-6\nvariable w equal 0.4*step*dt/4e-6\n"
@@ -192,7 +192,7 @@ def test_a_loose_piece_is_damped_with_no_grain(tmp_path, figures):
 
 @pytest.mark.parametrize("basis", ["quadratic", "cubic"])
 def test_points_that_move(basis, tmp_path):
-    """Points of `updated` come to other places in the cells. So the step holds for points anywhere, wherever they start."""
+    """Points of `updated` come to other positions in the cells. So the step holds for points anywhere, wherever they start."""
     steps = []
     for place in ("0 0 0", "5e-5 2e-5 3e-5", "1e-4 1e-4 1e-4"):
         text = edit(pair(CELL / 2), "spacing 0.0001", f"spacing 0.0001 grid {place}") + edit(cement(CELL, 1e-9), "mpm cell 0.0002", f"mpm cell 0.0002 basis {basis} kinematics updated timestep auto 1")
@@ -205,7 +205,7 @@ def test_points_that_move(basis, tmp_path):
 
 @pytest.mark.parametrize("dt", [5e-9, 1.3e-8])
 def test_another_step_keeps_momentum(dt, tmp_path, figures):
-    """Added mass goes with the time step. A run with another step goes on with the momentum of the one before."""
+    """Added mass depends on the time step. A run with another step goes on with the momentum of the one before."""
     start = edit(pair(CELL / 2, half_box=3 * (15e-3,)), "create_cement", "set atom 2 diameter 0.008\ncreate_cement")
     go, fixes = "velocity second set 0.2 -0.1 0.3\nset atom 2 omegax 200\n", cement(CELL, 1e-8, axis="radial")
     moved = "fix motion grains nve/sphere\n" + MOMENTA + thermo(5, MOMENTUM_COLUMNS[:3] + ["f_cem[12]"])

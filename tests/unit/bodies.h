@@ -79,7 +79,7 @@ inline Vector place(const GrainPair& p, double z, double r, double angle) {
   return z * p.n + r * (std::cos(angle) * e1 + std::sin(angle) * e2);
 }
 
-// Checks that the clearance is never more than the distance to the surface, and that the box holds the body.
+// Checks that the clearance is never more than the distance to the surface, and that the box encloses the bond.
 inline void expect_consistent(const Shape& shape, Random& random, int samples = 4000) {
   const Vector box = shape.half_extent();
   int inside = 0, wrong = 0, outside_box = 0;

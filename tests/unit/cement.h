@@ -37,7 +37,7 @@ class Cement {
   Grid grid;
   std::vector<int> slots;  // slots of the points, in the order they were given
 
-  // All points have one volume. The material frame is turned by q.
+  // All points have one volume. The material frame is rotated by q.
   Cement(double h, const std::vector<Vector>& X, double volume, const Eigen::Quaterniond& q = Eigen::Quaterniond::Identity(),
          Basis basis = Basis::quadratic, int margin = 0, const std::vector<int>& layer = {}, bool join = false) {
     std::vector<int> tags(X.size());
@@ -87,7 +87,7 @@ class Cement {
   }
 };
 
-// Nodes of a grid for the search of ties, all of one body and in one part.
+// Nodes of a grid for the search of constrained nodes, all of one bond and in one layer.
 inline TiedNodes edges_of(const Grid& grid) { return {grid.keys, {grid.mass.begin(), grid.mass.end()}, {}}; }
 
 // Points at random in [0, n h]^3. Every node between has points all over its support.

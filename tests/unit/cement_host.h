@@ -25,7 +25,7 @@
 
 namespace mpdem::test {
 
-// Way and velocity of a grain at a time.
+// Displacement and velocity of a grain at a time.
 struct Way {
   double way[3], velocity[3];
 };
@@ -40,14 +40,14 @@ struct Row {
   int mass_order = 1;
   double speed = 4.0;               // at which the last grain leaves the first, after the ramp
   double ramp = 4e-6;               // time until that speed is reached
-  std::function<Way(double)> path;  // way of the last grain in place of the ramp; the first grain stays where it is
-  double friction = -1.0;           // friction of places that let go; below 0: none
+  std::function<Way(double)> path;  // displacement of the last grain in place of the ramp; the first grain stays where it is
+  double friction = -1.0;           // friction of contact points; below 0: none
   bool loose = false;               // links to the first grain are not attached from the start
   bool skin_failed = false;         // and their points have failed
   int cracked = 0;                  // this many layers in the middle have failed, an odd one above it
-  double crumbled = 0.0;            // points at x above this have failed and hold to no grain; 0: none
+  double crumbled = 0.0;            // points at x above this have failed and are connected to no grain; 0: none
   bool unilateral = false;
-  bool split = false;      // nodes are split where material parts
+  bool split = false;      // nodes are split where material separates
   double interface = 1.0;  // parameter of the damage law for points with links
   int substeps = 1;        // number of steps of the cement in a step of the host
   bool free_ends = false;  // all grains follow forces
@@ -505,7 +505,7 @@ inline void expect_same_bits(const std::map<int, std::vector<double>>& a, const 
 }
 
 // `whole` runs to step `at`. Its state is saved and read back. Both go on by `steps` steps of length dt.
-// They fail the same points and end the same to the bit. `then(again)` compares further.
+// They fail the same points and end bitwise identical. `then(again)` compares further.
 template <class Then>
 void expect_restart_to_the_bit(RowOfGrains& whole, const Row& row, int at, int steps, double dt, Then then) {
   whole.run(at - whole.number);

@@ -44,7 +44,7 @@ inline void fail(CrackPoint& p) {
   p.attached[0] = p.attached[1] = false;
 }
 
-// Makes a skin of a point: it has failed, but its link holds.
+// Makes residue of a point: it has failed, but its link is intact.
 inline void make_skin(CrackPoint& p) { p.failed = true; }
 
 // A bond with the first and the second grain swapped.
@@ -61,7 +61,8 @@ inline std::vector<CrackPoint> swapped(std::vector<CrackPoint> points) {
 
 inline int level(const CrackPoint& p, int height = kHeight) { return p.cell[2] + height / 2; }
 
-// Sets failed points, points that let go and damage of this many values at random. Sets parts (kind 1), or empty space in half of the cells (kind 2).
+// Sets failed points, debonded points and damage of this many values at random. Sets layers (kind 1), or empty space
+// in half of the cells (kind 2).
 inline void make_random(std::vector<CrackPoint>& points, Random& random, double share, int values, int kind) {
   for (CrackPoint& p : points) {
     p.damage = static_cast<float>(0.9 * random.index(values) / values);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Two bonds between pairs of grains that have moved and turned. The second bond is in two parts. Some
+// Two bonds between pairs of grains that have moved and rotated. The second bond has two layers. Some
 // points are linked to both grains, some to none.
 #ifndef MPDEM_TESTS_LINKED_BONDS_H
 #define MPDEM_TESTS_LINKED_BONDS_H
@@ -32,10 +32,10 @@ struct Scene {
   std::vector<Bond> bonds{2};
   std::vector<int> slots[2];  // slots of the points of either bond, in the order they were made
   BondEnds ends;
-  std::vector<BondEnds::Motion> motion{4};  // motion of body 0 sides 0 and 1, then of body 1 sides 0 and 1
+  std::vector<BondEnds::Motion> motion{4};  // motion of the ends 0 and 1 of bond 0, then of bond 1
   Random random;
 
-  // parts: number of parts of the second body; width: points lie within this of the origin along each axis
+  // parts: number of layers of the second bond; width: points lie within this of the origin along each axis
   Scene(std::uint64_t seed, const PenaltyParameters& p, Basis basis = Basis::quadratic, int parts = 2, double width = 0.15) : random(seed) {
     int tag = 1;
     for (int b = 0; b < 2; ++b) {
@@ -102,7 +102,7 @@ struct Scene {
   }
   BondEnd* ends_of(const Bond& b) { return &ends.ends[b.first_end]; }
   const BondEnd* ends_of(const Bond& b) const { return &ends.ends[b.first_end]; }
-  // Row sums of the stiffness of the links: two numbers a node, one for the links to each side.
+  // Row sums of the stiffness of the links: two numbers a node, one for the links to each grain.
   std::vector<double> row_sums(const Bond& b, double dt = kDt) const {
     std::vector<double> k(2 * b.grid.size(), 0.0);
     b.links.add_stiffness(b.grid, ends_of(b), dt, k.data());
@@ -173,7 +173,7 @@ struct Scene {
   // Nodal forces of each bond.
   std::vector<std::vector<double>> forces() const { return {bonds[0].grid.force, bonds[1].grid.force}; }
 
-  // Expects that nodal forces `f` and what the grains feel balance in each body. Checks their resultant and their moment
+  // Expects that nodal forces `f` and what the grains feel balance in each bond. Checks their resultant and their moment
   // about the origin, over their sizes.
   void expect_balanced(const std::vector<std::vector<double>>& f, double tolerance, const std::string& what) const {
     Worst resultant, moment;

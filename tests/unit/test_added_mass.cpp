@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // coupling/added_mass.h: row sums against the stiffness matrix of the links, assembled by unit
-// displacements; what the added mass exerts on nodes and grains; links that let go.
+// displacements; what the added mass exerts on nodes and grains; debonded links.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <tuple>
@@ -21,7 +21,7 @@ using test::kH;
 using test::Scene;
 using test::Vector;
 
-// at the surface or at the points, edge nodes tied or free, basis
+// at the surface or at the points, edge nodes constrained or free, basis
 class AddedMassOfLinks : public ::testing::TestWithParam<std::tuple<bool, bool, Basis>> {
  protected:
   Scene scene(std::uint64_t seed, double damping = 0.0) const {
@@ -127,7 +127,7 @@ TEST_P(AddedMassOfLinks, RowSumsBoundTheStiffness) {
 }
 
 // dt^2 (lambda m + k) <= bound (m + c) at every node, and no mass without need. A bound of the eigenvalue that knows
-// nothing of ties is raised node by node.
+// nothing of constrained nodes is raised node by node.
 TEST_P(AddedMassOfLinks, IsEnoughAndNoMore) {
   Scene s = scene(158, 0.1);
   int raised = 0, none = 0, some = 0;
@@ -162,7 +162,7 @@ TEST_P(AddedMassOfLinks, IsEnoughAndNoMore) {
   EXPECT_EQ(raised > 0, std::get<1>(GetParam()));
 }
 
-// Shares are of the nodes that have added mass, in their order, and split it by the stiffness of either side.
+// Shares are of the nodes that have added mass, in their order, and split it by the stiffness of the links to either grain.
 TEST_P(AddedMassOfLinks, SharesAreByStiffness) {
   Scene s = scene(159);
   s.set_added_mass();
@@ -207,7 +207,7 @@ TEST_P(AddedMassOfLinks, ActionIsReaction) {
   }
   EXPECT_GT(stiff, 10);
   EXPECT_LT(stiff, nodes);
-  // Weights are negative in part at a place outside the cell of its point, and with ties; sizes count.
+  // Some weights are negative at a place outside the cell of its point, and with constrained nodes; sizes count.
   const auto& [at_surface, tied, basis] = GetParam();
   if (at_surface || tied) EXPECT_GT(row_sums, stiffness);
   else test::expect_within(std::fabs(row_sums / stiffness - 1.0), 1e-13, "sum of the stiffness");
@@ -240,9 +240,9 @@ TEST_P(AddedMassOfLinks, SidesHaveWhatNodesHave) {
   }
 }
 
-// Equal bonds hold once what they have alike. Their answers are the same to the bit, and what happens to one is nothing to the other.
+// Equal bonds share what they have in common. Their results are bitwise identical, and a change of one does not affect the others.
 TEST_P(AddedMassOfLinks, EqualBondsHoldTheirListsTogether) {
-  Scene scenes[] = {scene(160), scene(160), scene(160)};  // the last holds its own
+  Scene scenes[] = {scene(160), scene(160), scene(160)};  // the last shares nothing
   AlikeLists alike;
   const auto bytes = [&](const Scene& s) {
     double sum = 0.0;
@@ -272,7 +272,7 @@ TEST_P(AddedMassOfLinks, EqualBondsHoldTheirListsTogether) {
   const std::vector<double> whole = answer(scenes[2]);
   EXPECT_EQ(answer(scenes[0]), whole);
   EXPECT_EQ(answer(scenes[1]), whole);
-  // a point fails, and links are told of another order
+  // a point fails, and links get another order
   for (Scene* s : {&scenes[0], &scenes[2]}) {
     Bond& b = s->bonds[0];
     ASSERT_FALSE(b.points.links.empty());
@@ -292,7 +292,7 @@ TEST_P(AddedMassOfLinks, EqualBondsHoldTheirListsTogether) {
   EXPECT_EQ(answer(scenes[1]), whole);
 }
 
-// Grains accelerate and turn, each on its own.
+// Grains accelerate and rotate, each on its own.
 TEST_P(AddedMassOfLinks, CarriedByGrains) {
   Scene s = scene(153);
   s.place_grains(0.1, 1.0);
@@ -310,7 +310,7 @@ TEST_P(AddedMassOfLinks, CarriedByGrains) {
   s.expect_balanced(momentum_of(s, &Grid::acceleration), 1e-13, "carried");
 }
 
-// Both grains of a body and its nodes accelerate as one rigid body does. Nodes then accelerate as if there were no
+// Both grains of a bond and its nodes accelerate as one rigid body does. Nodes then accelerate as if there were no
 // added mass, and grains feel nothing of it.
 TEST_P(AddedMassOfLinks, ExertsNothingWhereNodesMoveWithTheGrain) {
   Scene s = scene(154);
@@ -413,7 +413,7 @@ TEST_P(AddedMassOfLinks, FollowsJumps) {
   expect_within(grain, 1e-13, "momentum of the grains");
 }
 
-// Nodes that take up added mass keep the energy of their motion against the grain, those that give it up their velocity.
+// Nodes that gain added mass keep the energy of their motion against the grain, those that lose it keep their velocity.
 // Momentum is kept, and what the cement loses is its kinetic energy less the work on the grains.
 TEST_P(AddedMassOfLinks, TakesUpMassWithoutGainOfEnergy) {
   Scene s = scene(158);
@@ -430,7 +430,7 @@ TEST_P(AddedMassOfLinks, TakesUpMassWithoutGainOfEnergy) {
     grid.ties.extend(grid.velocity.data());
     std::vector<AddedMass::Share> before = b.added.shares();
     const std::vector<AddedMass::Share> now = before;
-    const auto ends_of = [&](std::size_t n) { return now[n].mass[0] > 0.0 ? 0 : 1; };  // the side whose mass changes
+    const auto ends_of = [&](std::size_t n) { return now[n].mass[0] > 0.0 ? 0 : 1; };  // the end whose mass changes
     for (std::size_t n = 0; n < now.size(); ++n) before[n].mass[ends_of(n)] *= n % 3 == 0 ? 0.0 : n % 3 == 1 ? 0.3 : 2.0;
     const std::vector<double> first = grid.velocity;
     std::vector<AddedMass::Share> listed;
@@ -465,7 +465,7 @@ TEST_P(AddedMassOfLinks, TakesUpMassWithoutGainOfEnergy) {
     }
     const std::vector<double> moved = grid.acceleration;
     grid.ties.extend(grid.acceleration.data());
-    for (std::size_t i = 0; i < moved.size(); ++i) same.add(std::fabs(grid.acceleration[i] - moved[i]));  // tied nodes follow
+    for (std::size_t i = 0; i < moved.size(); ++i) same.add(std::fabs(grid.acceleration[i] - moved[i]));  // constrained nodes follow
   }
   EXPECT_GT(slowed, 20);
   expect_within(kept, 1e-12, "energy against the grain");
@@ -484,7 +484,7 @@ TEST_P(AddedMassOfLinks, TakesUpMassWithoutGainOfEnergy) {
 TEST_P(AddedMassOfLinks, LinksOfFreeGrainsCountMore) {
   Scene s = scene(156);
   const std::vector<double> held[2] = {s.row_sums(s.bonds[0]), s.row_sums(s.bonds[1])};
-  s.motion[0].mass_ratio = 0.6;  // the first grain of the first body
+  s.motion[0].mass_ratio = 0.6;  // the first grain of the first bond
   s.ends.distribute(s.records, s.motion);
   test::Worst worst;
   for (const Bond& b : s.bonds) {
@@ -527,7 +527,7 @@ TEST_P(AddedMassOfLinks, EnergyIsBilinearInTheVelocity) {
                       "product against difference of squares");
 }
 
-// All links of one grain let go. Added mass stays until it is dropped. It is then as if these links had never been.
+// All links of one grain debond. Added mass stays until it is dropped. It is then as if these links had never been.
 TEST_P(AddedMassOfLinks, DroppedWithLinksThatLetGo) {
   Scene s = scene(155, 0.1);
   Bond& b = s.bonds[0];

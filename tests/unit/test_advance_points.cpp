@@ -50,7 +50,7 @@ void expect_law_at_every_point(const L& law, bool fails = true) {
         const auto u =
             law.update(test::on_all_lanes(test::tensor(before.blocks[b].strain, l)),
                        test::on_all_lanes(test::tensor(c.points.blocks[b].strain, l)), s, test::only_lane(0), splat(strength), growth);
-        // Points whose damage grows travel in vectors with others: not a bit may tell.
+        // Points whose damage grows are computed in vectors with others: results are bitwise identical.
         for (int i = 0; i < L::kFields; ++i) EXPECT_EQ(number(now, i, l), number(s, i, 0));
         dissipated += u.dissipated[0] * c.points.blocks[b].volume[l];
         released += u.released[0] * c.points.blocks[b].volume[l];
@@ -104,7 +104,7 @@ TEST(AdvancePoints, FailedPointsAreFrozenAndGiveNoForce) {
   });
   EXPECT_GT(dead, 5);
 
-  // The force is that of the living alone: take the volume of the dead away.
+  // The force is that of the intact points alone: take the volume of the failed ones away.
   const std::vector<double> force = c.grid.force;
   for (std::size_t b = 0; b < c.points.blocks.size(); ++b)
     for (int l = 0; l < kLanes; ++l)

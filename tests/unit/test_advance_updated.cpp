@@ -211,14 +211,14 @@ TEST_P(Updated, RelocationKeepsThePass) {
   expect_within(worst, 1e-12, "nodes");
 }
 
-// A free lump that turns and is strained: momentum with every transfer, angular momentum with
+// A free lump that rotates and is strained: momentum with every transfer, angular momentum with
 // apic, where the nodes' own is kept from step to step by the pass and by the force.
 TEST_P(Updated, Conservation) {
   test::Random random(143);
   for (const Transfer& t : {transfer(Transfer::flip, 0.98), transfer(Transfer::apic), transfer(Transfer::xpic)}) {
     Lump lump(random, GetParam(), t);
     const Matrix A = 40.0 * random.general();
-    // with tents a node may have next to no mass at full force
+    // with linear hat functions a node may have almost no mass at full force
     if (GetParam() == Basis::linear) lump.dt = 2e-12;
     lump.set_velocity([&](const Vector& x) { return Vector(A * (x / kCell) + Vector(100, 50, -70)); });
     const Vector p = lump.momentum(), L = lump.angular_momentum();

@@ -122,7 +122,7 @@ TEST(BondTable, SumsGoOverRanksNotOverBonds) {
   EXPECT_NE(value(host, 0, "debonded"), value(host, 1, "debonded"));  // bonds at the ends of the row and in its middle
   EXPECT_EQ(value(host, 0, "external_work"), host.cement->report().totals(0.1).external_work);
 
-  // Columns that need no points are there without a look at them. The rest are 0.
+  // Columns that need no points are there without a pass over them. The rest are 0.
   for (std::size_t n = 0; n < bond_columns().size(); ++n) {
     const BondColumn& c = bond_columns()[n];
     if (c.of_all()) continue;
@@ -133,7 +133,7 @@ TEST(BondTable, SumsGoOverRanksNotOverBonds) {
   }
 }
 
-// The half of the links at the second grain that lies at positive x has let go before the start. Later whole rings let go.
+// The half of the links at the second grain that lies at positive x has debonded before the start. Later whole rings debond.
 TEST(BondTable, AttachedShareIsThatOfTheArea) {
   Row r;
   r.speed = 8.0;

@@ -19,7 +19,7 @@ std::vector<Box> random_boxes(test::Random& random, int count, double widest) {
   return boxes;
 }
 
-// Compares the search with a look at each box.
+// Compares the search with a test of each box.
 TEST(BoxSearch, FindsWhatIsThere) {
   test::Random random(411);
   for (int count : {0, 1, 2, 30, 800})

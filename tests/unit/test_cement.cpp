@@ -30,7 +30,7 @@ class Kinematic : public ::testing::TestWithParam<Method> {
     Row r;
     r.updated = GetParam().updated;
     r.mass_order = GetParam().mass_order;
-    r.length = GetParam().nonlocal ? 2.5 * test::kSpacing : 0.0;  // 1.25 cells: one sweep and a part of one
+    r.length = GetParam().nonlocal ? 2.5 * test::kSpacing : 0.0;  // 1.25 cells: one smoothing pass and a fraction of one
     return r;
   }
 };
@@ -135,8 +135,8 @@ TEST_P(Kinematic, RestartsToTheBit) {
   EXPECT_GT(whole.cement->report().totals(0.1).failed, 50.0);
 }
 
-// A bond goes to another rank while it fails, and again later. At these steps, each after a check, the run goes on to the bit. At
-// other steps it goes on to rounding: an exchange lays the links out anew and finds the added mass anew.
+// A bond goes to another rank while it fails, and again later. At these steps, each after a check, results stay bitwise identical. At
+// other steps they stay equal to rounding: an exchange lays the links out anew and finds the added mass anew.
 TEST_P(Kinematic, HandsABondOver) {
   if (test::ranks() == 1) GTEST_SKIP() << "there is no other rank";
   if (test::ranks() > 2 && !(GetParam().updated && GetParam().nonlocal))
@@ -176,7 +176,7 @@ INSTANTIATE_TEST_SUITE_P(Cement, Kinematic,
                                   (p.param.mass_order > 1 ? "_order2" : "");
                          });
 
-// A link lets go, and then its point fails. Each is something new to look at.
+// A link debonds, and then its point fails. Each needs a new check.
 TEST(Cracks, SeePointsFailWhoseLinksLetGoBefore) {
   RowOfGrains host(MPI_COMM_SELF, Row());
   host.setup();
@@ -201,7 +201,7 @@ TEST(Cracks, SeePointsFailWhoseLinksLetGoBefore) {
   EXPECT_FALSE(cracks.has_seen(bond));
 }
 
-// With central differences the velocity at a step is the way from the step before to the step after it, over twice the time step.
+// With central differences the velocity at a step is the displacement from the step before to the step after it, over twice the time step.
 TEST(Report, VelocityOfPointsIsThatOfTheirWay) {
   Row r;
   r.B0 = 0.0;

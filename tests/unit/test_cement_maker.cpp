@@ -181,7 +181,7 @@ TEST(CementMaker, MakesTheSameOnAnyNumberOfRanks) {
   }
 }
 
-// Equal geometry is filled once, and handed out again. Grains lie at whole numbers, so their distances are the same to the bit.
+// Equal geometry is filled once, and handed out again. Grains lie at whole numbers, so their distances are bitwise identical.
 TEST(CementMaker, FillsEqualGeometryOnce) {
   RowScene s(MPI_COMM_SELF, 8);
   s.make(s.found());
@@ -196,7 +196,7 @@ TEST(CementMaker, FillsEqualGeometryOnce) {
   EXPECT_NE(odd.lists[0].first, odd.lists[1].first);  // which have the first radius, gap, direction and mass in common
 }
 
-// Bonds whose points are made later have those that `now` makes as a pattern, on all ranks, and no IDs.
+// Bonds whose points are made later have those that `now` makes as a template, on all ranks, and no IDs.
 TEST(CementMaker, KeepsPatternsForLater) {
   RowScene now(MPI_COMM_SELF, 6), later(MPI_COMM_WORLD, 6);
   later.wish.later = true;
@@ -280,7 +280,7 @@ TEST(CementMaker, ComplainsOfTheFirstBondThatCannotBe) {
   EXPECT_NE(why(in_the_way, {{1, 2}}).find("lie inside grain 3"), std::string::npos);
 }
 
-// Compares with a look at all pairs, in boxes with and without periods.
+// Compares with a test of all pairs, in boxes with and without periods.
 TEST(Contacts, AreThoseOfAllPairs) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(0.0, 6.0), radius(0.3, 0.9);

@@ -101,7 +101,7 @@ TEST_F(FailedBody, StoresEnergyWhileClosedAlone) {
   EXPECT_EQ(energy(), 0.0);
   displace([&](const Vector& X) { return Vector(-0.01 * side.dot(X) * side); });
   EXPECT_LT(energy(), 1e-20 * closed);
-  // slip along the crack, and turns of the whole, are no matter
+  // slip along the crack, and rotations of the whole, do not matter
   const test::Matrix R = test::rotation(random.direction(), 2.0);
   displace([&](const Vector& X) { return Vector(R * (X - 0.01 * normal.dot(X) * normal + 0.3 * normal.dot(X) * side) - X); });
   EXPECT_NEAR(energy(), closed, 1e-9 * closed);
@@ -113,7 +113,7 @@ class PressedWhenFailed : public FailedBody {
     keep_deformation(F);
     closing = ClosingPoints(body.points, law->elasticity(), 0.0);
   }
-  // Energy of the stress n.tau n of points that hold, in the state in which they failed.
+  // Energy of the stress n.tau n that intact points would have in the state in which these failed.
   double energy_of_stress() const {
     double sum = 0.0;
     body.for_points([&](int b, int l) {
@@ -170,7 +170,8 @@ TEST_F(PressedWhenFailed, CloseAtTheReferenceIfTheyOpened) {
   EXPECT_NEAR(energy(), energy_of(0.01), 1e-9 * energy_of(0.01));
 }
 
-// A force that began in the last step has worked with its present value on half of the way of that step: K x(t) x(t - dt)/2 was there before.
+// A force that began in the last step has worked with its present value on half of the displacement of that step:
+// K x(t) x(t - dt)/2 was there before.
 TEST_F(FailedBody, BeginsWithTheProductOfBothEndsOfAStep) {
   constexpr double kDt = 0.25;
   std::vector<int> all, half;
@@ -242,7 +243,7 @@ TEST_F(FailedBody, ForceIsTheSlopeOfTheEnergy) {
   }
 }
 
-// The points are pressed, slide to and fro in both directions of the crack, turn, and open.
+// The points are pressed, slide to and fro in both directions of the crack, rotate, and open.
 class Sliding : public FailedBody {
  protected:
   static constexpr double kMu = 0.3, kPressed = 0.01, kSlide = 0.5, kDt = 1e-8;
@@ -318,7 +319,7 @@ TEST_F(Sliding, KeepsTheBooks) {
   EXPECT_GT(frictional, 10.0 * energy_of(kPressed));
 }
 
-// What a crack slid while it was open is no matter when it closes, and a crack that failed in a sheared state starts without shear.
+// What a crack slid while it was open does not matter when it closes, and a crack that failed in a sheared state starts without shear.
 TEST_F(Sliding, ForgetsWhatItSlidWhileOpen) {
   const Vector along = normal.unitOrthogonal();
   go(pressed_and_slid(kPressed, 0.2 * along));
@@ -331,7 +332,7 @@ TEST_F(Sliding, ForgetsWhatItSlidWhileOpen) {
   }
 }
 
-// Points fail under pressure at the end of a step that closed them and sheared them. They bear shear from there on alone.
+// Points fail under pressure at the end of a step that closed them and sheared them. They carry shear from there on alone.
 TEST_F(Sliding, StartsWithoutShearWhereAPointFails) {
   const Vector along = normal.unitOrthogonal();
   const test::Matrix F = pressed_and_slid(kPressed, 0.1 * along);
@@ -377,7 +378,7 @@ TEST_F(Sliding, DoesNotSlideInTheStepInWhichAPointFails) {
   EXPECT_TRUE(body.points.slip.empty());
 }
 
-// A point that is squeezed or torn too far has no crack that closes any more, also where it comes back. What it stored is booked.
+// A point that is squeezed or torn too far has no crack that closes any more, also where it comes back. What it stored is counted.
 TEST_F(FailedBody, DistortedPointsAreDebrisForGood) {
   const Vector side = normal.unitOrthogonal();
   const auto squeeze = [&](double share) {
@@ -389,7 +390,7 @@ TEST_F(FailedBody, DistortedPointsAreDebrisForGood) {
   ASSERT_GT(stored, 0.0);
   body.grid.clear_force();
   EXPECT_EQ(closing.add_force(body.points, body.grid, dt).released, 0.0);
-  double work = 0.0;  // of the last force, on half of the way of the step in which it ends
+  double work = 0.0;  // of the last force, on half of the displacement of the step in which it ends
   for (int n = 0; n < body.grid.size(); ++n) {
     const Vector way = -0.4 * side.dot(body.place(n)) * side;
     for (int d = 0; d < 3; ++d) body.grid.velocity[3 * n + d] = way[d] / dt;

@@ -165,7 +165,7 @@ TEST(Coating, RefusesWhatIsNoBody) {
     const std::string why = test::shape_error([&] { Coating::thickness_for_volume(p, bad, M_PI, 0); });
     EXPECT_NE(why.find("volume"), std::string::npos) << bad;
   }
-  // what is wrong beside the volume is told
+  // what is wrong beside the volume is reported
   EXPECT_NE(test::shape_error([&] { Coating::thickness_for_volume(p, 1e-9, 2.0, 0); }).find("must lie in (0, 90]"), std::string::npos);
   EXPECT_NE(test::shape_error([&] { Coating::thickness_for_volume(p, 1e-9, M_PI, 3.5e-3); }).find("inner radius"), std::string::npos);
 }

@@ -24,7 +24,7 @@ LawValues values(double tn = kTn, double tt = kTt, double Gn = kGn, double Gt = 
 }
 
 // One link on a path of separations (n, t): work of its traction by trapezoids, and what became of it. released: what a link under
-// compression gives up as it softens and lets go.
+// compression releases as it softens and debonds.
 struct Path {
   CohesiveTraction law{kStiff, values()};
   CohesiveTraction::State state{};
@@ -112,7 +112,7 @@ TEST(CohesiveTraction, DamageNeverHeals) {
   EXPECT_EQ(fresh.law.secant(fresh.separation(), fresh.state).kn[0], kStiff.kn);
 }
 
-// Some links let go under compression, some let go open, some do not let go at all.
+// Some links debond under compression, some debond open, some do not debond at all.
 TEST(CohesiveTraction, EnergyBalancesOnAnyPath) {
   test::Random random(331);
   int open = 0, pressed = 0, held = 0;
@@ -130,7 +130,7 @@ TEST(CohesiveTraction, EnergyBalancesOnAnyPath) {
   EXPECT_GT(held, 0);
 }
 
-// A link is pressed by 0.002, then sheared until it lets go. The energy of the pressure is given up; it is not damage.
+// A link is pressed by 0.002, then sheared until it debonds. The energy of the pressure is released; it is not damage.
 TEST(CohesiveTraction, ReleasesWhatPressureStores) {
   constexpr double kIn = 0.002;
   Path p;
@@ -183,7 +183,7 @@ TEST(CohesiveTraction, RefusesAnEnergyBelowTheElasticOne) {
   EXPECT_NE(trouble(values(3.0, 2.0, 0.02, 0.0079)).find("'Gt 0.0079' must be above 0.008"), std::string::npos);
 }
 
-// Links of two bonds whose grains go away.
+// Links of two bonds whose grains move away.
 TEST(CohesiveTraction, LinksKeepItsStateAndLetGo) {
   PenaltyParameters p = test::penalty(true, 0.0);
   p.law = std::make_shared<CohesiveTraction>(kStiff, values());
@@ -222,8 +222,8 @@ TEST(CohesiveTraction, LinksKeepItsStateAndLetGo) {
   }
 }
 
-// Links that are pressed and almost let go, all in one step: what is booked is the work of the step's forces. With friction places open, and
-// what these have is no matter of the links.
+// Links that are pressed and almost debond, all in one step: what is counted is the work of the step's forces. With friction contact points
+// open, and their energy is not counted with the links.
 TEST(CohesiveTraction, PressureThatEndsIsReleasedByItsWork) {
   constexpr double kIn = 0.02, kSlide = 0.08;
   for (double friction : {-1.0, 0.3}) {

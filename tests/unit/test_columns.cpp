@@ -98,7 +98,7 @@ TEST(Columns, PointsAnywhere) {
   EXPECT_EQ(points_of_a_cell(0.07, 0.01, 0b1).size(), 7);
 }
 
-// Points that leave for another part leave the others in their lanes. Empty lanes are where they would be after a fresh start.
+// Points that move to another layer leave the others in their lanes. Empty lanes are where they would be after a fresh start.
 TEST(Columns, PartsKeepTheLattice) {
   for (double shift : {0.0, 0.07}) {
     PointStore moved = points_of_a_cell(shift, 0), fresh = moved;

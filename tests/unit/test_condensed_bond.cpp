@@ -50,7 +50,7 @@ class CondensedBond : public ::testing::Test {
     to[2] = q.y();
     to[3] = q.z();
   }
-  // Grains as at the creation, all of it turned and moved, then each by itself by up to `apart`.
+  // Grains as at the creation, all of it rotated and moved, then each by itself by up to `apart`.
   void place(double apart) {
     const Eigen::Quaterniond turn(random.frame());
     const Vector3 way = random.vector();
@@ -96,7 +96,7 @@ TEST_F(CondensedBond, LoadsAreDerivativesOfTheEnergy) {
 }
 
 TEST_F(CondensedBond, KeepsMomentumAndDoesNotSeeAMotionOfBoth) {
-  EXPECT_LT(energy(ends), 1e-24);  // as made, but turned
+  EXPECT_LT(energy(ends), 1e-24);  // as made, but rotated
   place(0.5);
   const double before = energy(ends);
   const GrainLoads l = CondensedMotion(model, record, ends).elastic(model);
@@ -155,7 +155,7 @@ TEST_F(CondensedBond, MassIsThatOfItsNodes) {
   EXPECT_LT((resultant - expected).norm(), 1e-12);
 }
 
-// A piece that is rigid with a grain, as a bond between the grain and itself (cement/condensed/rigid_pieces.h), after any turn: loads against a sum over its nodes,
+// A piece that is rigid with a grain, as a bond between the grain and itself (cement/condensed/rigid_pieces.h), after any rotation: loads against a sum over its nodes,
 // in the pack and alone.
 // It is the largest eigenvalue of the coupling blocks in the metric of the others.
 TEST_F(CondensedBond, CouplingIsAnEigenvalue) {
@@ -233,7 +233,7 @@ TEST_F(CondensedBond, RigidPieceIsTheSumOfItsNodes) {
   }
 }
 
-// Eleven bonds between five grains, in lanes, against one by one: large and small turns.
+// Eleven bonds between five grains, in lanes, against one by one: large and small rotations.
 TEST_F(CondensedBond, PackIsTheSumOfItsBonds) {
   constexpr int kGrains = 5, kBonds = 11;
   for (double apart : {1e-5, 0.05, 0.9}) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The consistent mass against its definition, and what its bound and its momentum rest on.
+// The consistent mass against its definition, and what its bound and its momentum depend on.
 #include "mpm/consistent_mass.h"
 
 #include "cement.h"

@@ -84,8 +84,8 @@ TEST(Corotational, SpinIsTheCayleyRotation) {
   expect_within(worst, 1e-14, "matrix");
 }
 
-// A stressed, damaged point with a tilted axis turns ten times about its own direction in
-// every lane, in n steps a turn.
+// A stressed, damaged point with a tilted axis rotates ten times about its own direction in
+// every lane, in n steps a revolution.
 class TenRevolutions : public ::testing::TestWithParam<int> {};
 
 TEST_P(TenRevolutions, StrainStaysAndStressDamageAndAxisReturn) {
@@ -121,7 +121,7 @@ TEST_P(TenRevolutions, StrainStaysAndStressDamageAndAxisReturn) {
       const Matrix turn = test::rotation(axis[l], 2 * M_PI * step / n), Rl = test::matrix(R, l), R0 = test::matrix(R_begin, l),
                    sl = Rl * test::tensor(s, l) * Rl.transpose(), s0 = R0 * test::tensor(stress, l) * R0.transpose(),
                    Dl = Rl * test::tensor(D, l) * Rl.transpose(), D0 = R0 * test::tensor(D_begin, l) * R0.transpose();
-      // at every step, not only after whole turns
+      // at every step, not only after whole revolutions
       const Matrix e0 = test::tensor(begin.strain, l);
       strain_change.add(test::tensor(p.strain, l) - e0, e0.norm());
       stress_error.add(sl - turn * s0 * turn.transpose(), s0.norm());
@@ -140,8 +140,8 @@ TEST_P(TenRevolutions, StrainStaysAndStressDamageAndAxisReturn) {
 
 INSTANTIATE_TEST_SUITE_P(Corotational, TenRevolutions, ::testing::Values(4, 7, 100));
 
-// A rotation laid over a deformation turns the stress and leaves the strain, but for the
-// mid-point rule, which sees the mean of a deformation that grows while it turns.
+// A rotation laid over a deformation rotates the stress and leaves the strain, but for the
+// mid-point rule, which sees the mean of a deformation that grows while it rotates.
 TEST(Corotational, SuperposedRotationIsNotSeenToSecondOrder) {
   const auto error_at = [](int steps) {
     test::Random random(54);

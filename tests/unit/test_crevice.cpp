@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Layers about the plane z = 0 of a frame that may be turned, cut by a lattice as create_cement does. Between them
-// is nothing, or a wedge that opens from a line x = tip on.
+// Cement on both sides of the plane z = 0 of a frame that may be rotated, cut by a lattice as create_cement does. Between
+// the sides is no gap, or a wedge that opens from a line x = tip on.
 #include "fracture/crevice.h"
 
 #include <Eigen/Geometry>
@@ -119,7 +119,7 @@ TEST(Crevice, DoesNotDependOnTheOrder) {
   }
 }
 
-// Points in the very middle belong to either sheet as much as to the other: which of them has them does not matter.
+// Points in the very middle belong to both sides of the gap alike: which of them has them does not matter.
 TEST(Crevice, OfPointsInTheMiddleTheSheetDoesNotMatter) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(M_PI / 4.0, Vector::UnitY()));
@@ -172,7 +172,7 @@ TEST(Crevice, PointsThatAreNoLattice) {
   for (CrevicePoint& p : points)
     for (int d = 0; d < 3; ++d) p.X[d] += 0.3 * kSpacing;
   EXPECT_EQ(look(points, Basis::quadratic, Vector::Zero(), 0).joined.size(), joined);
-  // every other plane of cells empty, since the spacing is not that of the points: one sheet
+  // every other plane of cells empty, since the spacing is not that of the points: no gap
   for (CrevicePoint& p : points)
     for (int d = 0; d < 3; ++d) p.cell[d] *= 2;
   EXPECT_FALSE(look(points).found);

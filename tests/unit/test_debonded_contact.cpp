@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Places that let go and touch again: of one bond between wide grains, on 1 and 2 ranks; balance of forces on bonds at random.
+// Contact points that touch again after debonding: of one bond between wide grains, on 1 and 2 ranks; balance of forces on bonds at random.
 #include "coupling/debonded_contact.h"
 
 #include <algorithm>
@@ -105,8 +105,8 @@ TEST(DebondedContact, CarryCompressionWithTheStiffnessOfTheCementAndNoTension) {
   EXPECT_LT(std::fabs(force_at_end(off, 1)[2]), 2e-3 * force);
 }
 
-// The points beside the grain carry nothing: the place follows the next layer, over what failed as over something stiff. A layer is half a cell, which the
-// edge of the cement blurs.
+// The points beside the grain carry nothing: the contact point follows the next layer, over what failed as over something stiff. A layer is
+// half a cell, which the edge of the cement blurs.
 TEST(DebondedContact, FollowTheNearestPointsThatHold) {
   if (test::ranks() > 1) GTEST_SKIP();
   RowOfGrains host(MPI_COMM_WORLD, loose(on_path({0, 0, -kPush}), 0.3, true));
@@ -116,7 +116,7 @@ TEST(DebondedContact, FollowTheNearestPointsThatHold) {
   EXPECT_LT(force, 1.02 * most);
 }
 
-// Grains that are pushed, and sheared by less than friction bears, move as if attached.
+// Grains that are pushed, and sheared by less than friction carries, move as if attached.
 TEST(DebondedContact, StickBelowFriction) {
   if (test::ranks() > 1) GTEST_SKIP();
   constexpr double kMu = 0.4;
@@ -157,7 +157,7 @@ TEST(DebondedContact, SlideWithMuN) {
   }
 }
 
-// The cement comes off by failure, is pushed back, and slides. The points beside the grains carry nothing, the places follow the next.
+// The cement comes off by failure, is pushed back, and slides. Points beside the grains carry nothing, contact points follow the next.
 struct Method {
   bool split, unilateral;
 };
@@ -182,7 +182,7 @@ Row broken_and_closed(double friction, Method m) {
 
 class Broken : public ::testing::TestWithParam<Method> {};
 
-// Pairs of free nodes at one place.
+// Pairs of unconstrained nodes at one place.
 int pairs_of_nodes(const Grid& grid) {
   std::map<std::array<int, 3>, int> free;
   for (int i = 0; i < grid.size(); ++i)
@@ -238,7 +238,7 @@ TEST_P(Broken, RestartsToTheBit) {
   const Row r = broken_and_closed(0.3, GetParam());
   RowOfGrains whole(MPI_COMM_WORLD, r);
   whole.setup();
-  for (int at : {502, 1303, 1804}) {  // as points fail, closing, sliding; between looks for places that go on
+  for (int at : {502, 1303, 1804}) {  // as points fail, closing, sliding; between checks for remapping
     test::expect_restart_to_the_bit(whole, r, at, 100, whole.dt, [&](RowOfGrains& again) {
       EXPECT_NEAR(whole.cement->report().totals(0.1).frictional, again.cement->report().totals(0.1).frictional,
                   1e-12 * whole.cement->report().totals(0.1).external_work);
@@ -306,7 +306,7 @@ TEST(CrackFaces, SlideWithMuN) {
   }
 }
 
-// Faces that overlap, as where the normal turned: they part, and the force that sees to it gives no energy.
+// Faces that overlap, as where the normal rotated: they separate, and the force that does it gives no energy.
 TEST(CrackFaces, GiveNoEnergyWhereTheyOverlap) {
   if (test::ranks() > 1) GTEST_SKIP();
   int overlapped = 0;
@@ -315,7 +315,7 @@ TEST(CrackFaces, GiveNoEnergyWhereTheyOverlap) {
     host.setup();
     host.run(20);
     Bond& bond = *host.bonds.begin();
-    std::vector<char> above(bond.grid.size(), 0);  // nodes of what holds above the crack
+    std::vector<char> above(bond.grid.size(), 0);  // nodes of what is intact above the crack
     for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
       const BlockMeta& m = bond.points.meta[b];
       if (bond.points.blocks[b].X[2][0] < test::kSpacing || m.failed) continue;
@@ -348,7 +348,7 @@ bool any_of_ranks(bool mine) {
 TEST(CrackFaces, AlikeOnRanksAndAfterARestart) {
   for (bool unilateral : {false, true}) {
     Row r = cracked(on_path({0, 0, -kPush}, {1.5 * kPush / kRampTime, 0, 0}), 0.3);
-    r.loose = true;  // and the grain's place
+    r.loose = true;  // contact points at the grain, too
     r.unilateral = unilateral;
     RowOfGrains host(MPI_COMM_WORLD, r), alone(MPI_COMM_SELF, r);
     host.setup();
@@ -395,7 +395,7 @@ TEST(CrackFaces, SlideByUpToACell) {
   EXPECT_NE(told.find("use 'kinematics updated' without 'friction'"), std::string::npos) << told;
   EXPECT_GT(slid, 0.99 * kCell);
   EXPECT_LT(slid, 1.1 * kCell);
-  // what holds to no grain may go where it likes
+  // what is connected to no grain may go anywhere
   for (BlockMeta& m : host.bonds.begin()->points.meta)
     if (m.connected[1] != 0 && m.connected[0] == 0) m.connected[1] = 0;
   EXPECT_NO_THROW(host.cement->check_state());
@@ -429,7 +429,7 @@ TEST(ClosingPoints, CarryCompressionWithTheStiffnessOfWholeCement) {
   EXPECT_GT(t.external_work, -1e-3 * most);  // nothing came out of the cycle
 }
 
-// The largest stable step is so with a crack that closes and slides: it is held for long just below.
+// The largest stable step is stable with a crack that closes and slides, too: a long run just below it.
 TEST(ClosingPoints, LeaveTheBoundOfTheStep) {
   if (test::ranks() > 1) GTEST_SKIP();
   Row r = cracked(on_path({0, 0, -kPush}), 0.3);
@@ -452,7 +452,7 @@ TEST(ClosingPoints, LeaveTheBoundOfTheStep) {
   test::expect_within(std::fabs(t.imbalance), 1e-2, "imbalance");
 }
 
-// Bonds at random whose links have all let go, with places that touch.
+// Bonds at random whose links have all debonded, with contact points that touch.
 test::Scene scene_of_places(std::uint64_t seed, const PenaltyParameters& p) {
   test::Scene s(seed, p);
   for (Bond& b : s.bonds) {
@@ -474,7 +474,8 @@ double sum_of_stiffness(const test::Scene& s, const Bond& b) {
   return std::accumulate(k.begin(), k.end(), 0.0);
 }
 
-// A node with the added mass of a place alone flies at a grain and comes back, from all places at which it may be a step before. A step is 1.
+// A node with the added mass of a contact point alone flies at a grain and comes back, from all positions it may have a step
+// before. A step is 1.
 TEST(DebondedContact, ANodeThatBouncesGainsLittle) {
   if (test::ranks() > 1) GTEST_SKIP();
   PenaltyParameters p = test::penalty(false, 0.0);
@@ -492,7 +493,7 @@ TEST(DebondedContact, ANodeThatBouncesGainsLittle) {
   EXPECT_LT(mean, 1.05);
 }
 
-// Places far from their grains have no added mass, unless they are fast. Those that have it keep it up to twice as far.
+// Contact points far from their grains have no added mass, unless they are fast. Those that have it keep it up to twice as far.
 TEST(DebondedContact, HaveAddedMassNearTheirGrainsAlone) {
   if (test::ranks() > 1) GTEST_SKIP();
   PenaltyParameters p = test::penalty(false, 0.0);
@@ -505,7 +506,7 @@ TEST(DebondedContact, HaveAddedMassNearTheirGrainsAlone) {
   b.grid.displacement.assign(b.grid.displacement.size(), 0.0);
   b.grid.velocity.assign(b.grid.velocity.size(), 0.0);
   places_of(b).open_all(b.points, s.records[b.row], b.grid, s.ends_of(b));
-  const auto at = [&](double gap) {  // lifts all places of one grain along the line of centres
+  const auto at = [&](double gap) {  // lifts all contact points of one grain along the line of centres
     BondEnd* ends = s.ends_of(b);
     double along[3], centre[3];
     for (int d = 0; d < 3; ++d) centre[d] = s.records[b.row].centre[0][d];
@@ -537,7 +538,7 @@ TEST(DebondedContact, HaveAddedMassNearTheirGrainsAlone) {
   EXPECT_GT(inert(), 0.9 * all);
 }
 
-// The added mass of a place is there from update_added_mass() on until the place goes on.
+// A contact point has its added mass from update_added_mass() on until it is remapped.
 TEST(DebondedContact, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
   if (test::ranks() > 1) GTEST_SKIP();
   PenaltyParameters p = test::penalty(false, 0.0);
@@ -577,14 +578,14 @@ TEST(DebondedContact, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
   EXPECT_NEAR(after, area + all, 1e-12 * after);
 }
 
-// Places of points that failed bear nothing, and come to others without a force. So what acts on each node and grain stays as it is where
-// they come to places that are pressed and sheared already.
+// Contact points of failed points carry nothing, and are remapped without a force. So what acts on each node and grain stays as it is where
+// they join contact points that are pressed and sheared already.
 TEST(DebondedContact, KeepTheirForceWhereOthersCome) {
   if (test::ranks() > 1) GTEST_SKIP();
   PenaltyParameters p = test::penalty(false, 0.0);
   p.friction = 0.3;
   test::Scene s = scene_of_places(837, p);
-  int joined = 0;  // arrivals at closed places
+  int joined = 0;  // arrivals at closed contact points
   test::Worst change;
   for (Bond& b : s.bonds) {
     const BondRecord& record = s.records[b.row];
@@ -626,8 +627,8 @@ TEST(DebondedContact, KeepTheirForceWhereOthersCome) {
   test::expect_within(change, 1e-13, "change of a force, over the largest");
 }
 
-// Points fail one after another, and their places go on to points that fail later: links and places have all of the area
-// at any time, with links that stay on as skins too.
+// Points fail one after another, and their contact points are remapped to points that fail later: links and contact points have all of
+// the area at any time, with links that stay on as residue too.
 TEST(DebondedContact, KeepTheAreaOfTheLinks) {
   if (test::ranks() > 1) GTEST_SKIP();
   for (bool residue : {false, true}) {
@@ -645,7 +646,7 @@ TEST(DebondedContact, KeepTheAreaOfTheLinks) {
       return sum;
     };
     const double whole = area();
-    int carried = 0;  // points that fail with a place of another point
+    int carried = 0;  // points that fail with a contact point of another point
     for (std::size_t n = 0; n + 1 < s.slots[0].size(); ++n) {
       const std::vector<int> failed{s.slots[0][n]};
       for (const ContactPoint& contact : b.points.contacts) carried += contact.slot == failed[0];
@@ -669,8 +670,9 @@ TEST(DebondedContact, KeepTheAreaOfTheLinks) {
   }
 }
 
-// Points fail: what their places store is released, and they bear nothing until they go on. A force that ends within a step has worked with its
-// value before on all of the way of that step: for short steps that is the mean of the energies at both ends of it.
+// Points fail: what their contact points store is released, and these carry nothing until they are remapped. A force that ends within a
+// step has worked with its value before on all of the displacement of that step: for short steps that is the mean of the energies at both
+// ends of it.
 TEST(DebondedContact, GiveUpTheirEnergyWhenTheirPointFails) {
   if (test::ranks() > 1) GTEST_SKIP();
   PenaltyParameters p = test::penalty(false, 0.0);
@@ -717,8 +719,8 @@ TEST(DebondedContact, GiveUpTheirEnergyWhenTheirPointFails) {
   }
 }
 
-// Links let go under pressure. What the books have of the places that open is what these give up if they end in the same step, by the rule of the test
-// above. With a step of no length that is the energy that they store.
+// Links debond under pressure. What the energy balance has of the contact points that open is what these release if they end in the same
+// step, by the rule of the test above. With a step of no length that is the energy that they store.
 TEST(DebondedContact, BeginWithTheProductOfBothEndsOfAStep) {
   if (test::ranks() > 1) GTEST_SKIP();
   PenaltyParameters p = test::penalty(false, 0.0);

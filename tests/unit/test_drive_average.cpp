@@ -67,7 +67,7 @@ double average_of(const Cement& c, int b, int l) {
 
 bool holds(const Cement& c, int b, int l) { return !(c.points.meta[b].failed >> l & 1); }
 
-// Sum of volume times average over the points that hold.
+// Sum of volume times average over the intact points.
 double volume_times_average(const Cement& c) {
   double sum = 0.0;
   c.for_points([&](int b, int l) { sum += holds(c, b, l) ? c.points.blocks[b].volume[l] * average_of(c, b, l) : 0.0; });
@@ -108,7 +108,7 @@ TEST(DriveAverage, KeepsTheSum) {
   EXPECT_NEAR(volume_times_average(c), sum, 1e-13 * sum);
 }
 
-// Nodes at the edge are tied: they have the means of their heirs.
+// Nodes at the edge are constrained: they have the means of their mass receivers.
 TEST(DriveAverage, KeepsConstantsAndTheSumWithTiedNodes) {
   test::Random random(304);
   Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6);
@@ -126,7 +126,7 @@ TEST(DriveAverage, KeepsConstantsAndTheSumWithTiedNodes) {
   EXPECT_NEAR(volume_times_average(c), sum, 1e-13 * sum);
 }
 
-// Variance of the average of one point in the middle of a regular body. The spline of its strain has the rest of the variance.
+// Variance of the average of one point in the middle of a regular bond. The spline of its strain has the rest of the variance.
 class Variance : public ::testing::TestWithParam<std::tuple<Basis, double>> {};
 
 TEST_P(Variance, IsThatOfTheLength) {
@@ -143,7 +143,7 @@ TEST_P(Variance, IsThatOfTheLength) {
     sum += f;
     second += f * x * x;
   });
-  // tents: points of a lattice have their own variance, of h^2/4 in place of h^2/6
+  // linear hat functions: points of a lattice have their own variance, of h^2/4 in place of h^2/6
   const double of_strain = support(basis) / 12.0, tolerance = basis == Basis::linear ? 0.2 : 1e-3;
   EXPECT_NEAR(second / sum + of_strain, length * length, tolerance * length * length);
 }
@@ -171,7 +171,7 @@ TEST(DriveAverage, EndsAtAWideCrack) {
   expect_within(worst, 1e-13, "what comes across");
 }
 
-// The length may be the cell but for rounding (fix_mpm_words.cpp), and cubic splines need one sweep there.
+// The length may be the cell but for rounding (fix_mpm_words.cpp), and cubic splines need one smoothing pass there.
 TEST(DriveAverage, KeepsConstantsWhereTheLengthIsTheCell) {
   test::Random random(306);
   for (double ratio : {1.0 - 5e-7, 1.0, 1.0 + 5e-7}) {
@@ -184,7 +184,7 @@ TEST(DriveAverage, KeepsConstantsWhereTheLengthIsTheCell) {
   }
 }
 
-// Weights and volumes that stand are those that are found anew: after points failed, after they went to other blocks, and after nodes changed. Half of the points are in a lattice.
+// Weights and volumes that are kept are those that are found anew: after points failed, after they went to other blocks, and after nodes changed. Half of the points are in a lattice.
 TEST(DriveAverage, WeightsThatStand) {
   test::Random random(305);
   std::vector<Vector> X = test::lattice(kCell, 4);
@@ -216,7 +216,7 @@ TEST(DriveAverage, WeightsThatStand) {
   }
 }
 
-// The stronger side bears more by the share, the weaker side bears what it bears alone, and between them is no more and no less.
+// The stronger side carries more by the share, the weaker side carries what it carries alone, and between them is no more and no less.
 TEST(DriveAverage, Imperfection) {
   const double share = 0.05;
   const BondRecord record = equal_grains();
@@ -402,7 +402,7 @@ TEST(DriveAverage, NoLimitsAtTheThresholdOrWithDamage) {
   EXPECT_GT(DriveAverage::largest(c.points, c.grid), 1e300);
 }
 
-// The pass tells when a point is above its limit, whatever it is to the threshold.
+// The pass reports a point that is above its limit, wherever the threshold is.
 TEST(DriveAverage, ThePassComparesWithTheLimits) {
   test::Random random(309);
   Cement c(kCell, test::scattered(random, kCell, 3, 6), kCell * kCell * kCell / 6);
@@ -423,7 +423,7 @@ TEST(DriveAverage, ThePassComparesWithTheLimits) {
   EXPECT_TRUE(is_near());
 }
 
-// A condensed bond is looked at when the bounds of its points allow an average at the threshold. Here one motion strains some points and another motion the
+// A condensed bond is checked when the bounds of its points allow an average at the threshold. Here one motion strains some points and another motion the
 // others, whose roots grow from nothing. Points with a link have a lower threshold, and less strain here.
 TEST(DriveAverage, BoundsOfFieldsHoldForAverages) {
   test::Random random(310);

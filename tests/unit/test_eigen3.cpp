@@ -200,7 +200,7 @@ TEST(PositivePart, SquareOfNanIsNan) {
   }
 }
 
-// The slow way for one lane is not to change what the others get.
+// The slow path for one lane is not to change what the others get.
 TEST(PositivePart, LanesAreIndependent) {
   const std::vector<Matrix> all = random_tensors(32, 64), odd = nearly_double_tensors();
   test::Worst worst;

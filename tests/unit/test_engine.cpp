@@ -100,7 +100,7 @@ TEST(Engine, CondensedBondsCarryAFreeGrain) {
   EXPECT_LT(std::fabs(z[1] - z[0]), 2e-3 * test::kGap * 1e-2);
 }
 
-// A condensed bond wakes, breaks as a resolved one does, and is condensed again in two pieces.
+// A condensed bond is activated, breaks as a resolved one does, and is condensed again in two pieces.
 TEST(Engine, ACondensedBondWakesBreaksAndIsCondensedAgain) {
   Row r;
   r.ramp = 8e-6;
@@ -210,7 +210,7 @@ TEST(AddedMasses, OfStiffLinksKeepMomentum) {
   test::expect_within(std::fabs(t.imbalance), 1e-5, "imbalance of the books");
 }
 
-// Points of a layer across the bond have failed from the start: it is separated at the first look, through its middle.
+// Points of a layer across the bond have failed from the start: it is separated at the first check, through its middle.
 TEST(Cracks, ALayerThatFailedSeparatesTheBond) {
   Row r;
   r.cracked = 2;
@@ -233,7 +233,7 @@ TEST(Cracks, ALayerThatFailedSeparatesTheBond) {
 // Half of the bond leaves the middle part connected: nothing is separated.
 TEST(Cracks, AHalfLayerDoesNot) {
   Row r;
-  r.crumbled = 0.2e-3;  // points beyond hold to no grain
+  r.crumbled = 0.2e-3;  // points beyond are connected to no grain
   RowOfGrains host(MPI_COMM_WORLD, r);
   host.setup();
   host.run(10);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Run on several ranks: each holds a share of the points, and must find the ties of one rank alone.
+// Run on several ranks: each holds a share of the points, and must find the constraints of one rank alone.
 #include "mpm/extension_constraints.h"
 
 #include <algorithm>
@@ -43,7 +43,7 @@ std::vector<ExtensionConstraint> ties_of(Cement& c) {
   return find_extension_constraints(MPI_COMM_SELF, c.grid.basis, edges_of(c.grid));
 }
 
-// Checks the sums of the weights and of their first moments, and looks for masters that are slaves.
+// Checks the sums of the weights and of their first moments, and looks for masters that are constrained.
 void expect_sound(const std::vector<ExtensionConstraint>& ties) {
   std::set<Key> slaves;
   for (const ExtensionConstraint& t : ties) slaves.insert(t.slave);
@@ -100,7 +100,7 @@ TEST(ExtensionConstraints, FaceIsTiedAcross) {
   }
 }
 
-// Both sides of a film are tied, each to the two nodes between.
+// The nodes at both sides of a film are constrained, each to the two nodes between.
 TEST(ExtensionConstraints, FilmIsTiedOnBothSides) {
   const auto inside = [](const Vector& x) { return std::fabs(x[2] - 0.4) < 0.3 && std::max(std::fabs(x[0]), std::fabs(x[1])) < 2.5; };
   Cement c(kH, lattice(16, Vector::Zero(), 4, inside), 1.0);
@@ -116,7 +116,7 @@ TEST(ExtensionConstraints, FilmIsTiedOnBothSides) {
   }
 }
 
-// A layer of points beside a node: the next nodes have 0.11 and 0.24 of its mass, and the lighter one is tied to both.
+// A layer of points beside a node: the next nodes have 0.11 and 0.24 of its mass, and the lighter one is constrained to both.
 TEST(ExtensionConstraints, LayerIsTiedOnItsLighterSide) {
   const auto inside = [](const Vector& x) { return std::fabs(x[2] - 0.1) < 0.2 && std::max(std::fabs(x[0]), std::fabs(x[1])) < 2.5; };
   Cement c(kH, lattice(2, Vector(0, 0, -0.15), 4, inside), 1.0);
@@ -134,7 +134,7 @@ TEST(ExtensionConstraints, LayerIsTiedOnItsLighterSide) {
   EXPECT_EQ(slaves, wanted);
 }
 
-// Bound to one grid and to another with more nodes: ties are taken over from layout to layout by their keys.
+// Bound to one grid and to another with more nodes: constraints are taken over from layout to layout by their keys.
 TEST(ExtensionConstraints, KeysComeBack) {
   const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
   Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
@@ -157,7 +157,7 @@ TEST(ExtensionConstraints, KeysComeBack) {
   }
 }
 
-// Some ties go, some come, some change. The result is what binding all of it gives, whatever lies beside.
+// Some constraints go, some come, some change. The result is what binding all of it gives, whatever lies beside.
 TEST(ExtensionConstraints, ExchangeIsBinding) {
   const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
   Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
@@ -246,7 +246,7 @@ TEST(ExtensionConstraints, BallIsSoundAndSymmetric) {
     const std::vector<ExtensionConstraint> ties = ties_of(c);
     expect_sound(ties);
     EXPECT_GT(ties.size(), 50u);
-    std::map<Key, std::map<Key, double>> all;  // masters, and heirs with field 1
+    std::map<Key, std::map<Key, double>> all;  // masters, and mass receivers with field 1
     for (const ExtensionConstraint& t : ties) {
       all[t.slave] = {t.masters.begin(), t.masters.end()};
       for (const auto& h : t.mass_receivers) all[t.slave][h.first.with_field(1)] = h.second;
@@ -299,7 +299,7 @@ TEST(ExtensionConstraints, ForceIsTransposedAndMassIsKept) {
   EXPECT_NEAR(power, pulled, 1e-10 * std::fabs(power));
 }
 
-// The bound of the largest eigenvalue, raised for ties, holds.
+// The bound of the largest eigenvalue, raised for constraints, holds.
 TEST(ExtensionConstraints, BoundOfTheEigenvalueHolds) {
   const VtiElasticity elasticity(VtiConstants::isotropic(60e9, 0.25));
   const NoDamage law(elasticity);

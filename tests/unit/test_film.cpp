@@ -68,7 +68,7 @@ struct FilmOfPair {
     film.lay_out(record, law);
     for (int s = 0; s < 2; ++s) place(s, Vector::Zero(), Matrix::Identity());
   }
-  // Moves grain s by `way` and turns it about its centre.
+  // Moves grain s by `way` and rotates it about its centre.
   void place(int s, const Vector& way, const Matrix& turn) {
     ends[s] = BondEnd{};
     for (int d = 0; d < 3; ++d) {

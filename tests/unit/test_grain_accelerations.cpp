@@ -19,10 +19,10 @@ using test::kDt;
 using test::Scene;
 using test::Vector;
 
-// edge nodes tied or free, basis, mass of the grains over that of the cement of a bond
+// edge nodes constrained or free, basis, mass of the grains over that of the cement of a bond
 class Accelerations : public ::testing::TestWithParam<std::tuple<bool, Basis, double>> {
  protected:
-  // Grains 0 to 3; the second bond has the same grain at its first side as the first at its second, grain 1.
+  // Grains 0 to 3; the second bond has the same grain at its first end as the first at its second, grain 1.
   struct Setting : Scene {
     using Scene::Scene;
     std::vector<Grain> grains;
@@ -72,7 +72,7 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
     for (const AddedMass::Share& a : b.added.shares()) of_both += a.mass[0] > 0.0 && a.mass[1] > 0.0;
   EXPECT_GT(of_both, 5);
   for (int turn = 0; turn < 4; ++turn) {
-    // all free, then some prescribed, which all sides of a grain are told
+    // all free, then some prescribed, which all ends at a grain get
     for (std::size_t n = 0; n < s.grains.size(); ++n) {
       Grain& g = s.grains[n];
       Vector a = Vector::Zero(), alpha = Vector::Zero();
@@ -142,7 +142,7 @@ struct Unknowns {
     int bond, node;
   };
   std::vector<Node> nodes;
-  std::vector<int> at[2], grain_of;  // at: place of each node of either bond, -1: none; grain_of: of each side
+  std::vector<int> at[2], grain_of;  // at: place of each node of either bond, -1: none; grain_of: of each end
   int first = 0, size = 0;           // first unknown of the grains; number of all unknowns
 
   Unknowns(const Scene& s, const std::vector<Grain>& grains) : grain_of(s.ends.ends.size()) {

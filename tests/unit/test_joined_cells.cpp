@@ -18,7 +18,7 @@ using test::Cement;
 using test::kCell;
 using test::Vector;
 
-// Points of a ball, so that cells at its surface are cut in all directions. They lie anywhere in the cells. JoinedCells puts them in two parts.
+// Points of a ball, so that cells at its surface are cut in all directions. They lie anywhere in the cells. JoinedCells puts them in two layers.
 std::vector<Vector> ball(test::Random& random, int points) {
   std::vector<Vector> X;
   while (static_cast<int>(X.size()) < points) {
@@ -90,7 +90,7 @@ TEST_P(JoinedCells, FullerBlocks) {
   }
   EXPECT_EQ(rows.size(), 6u);  // of two and of three, in each direction
   EXPECT_LT(p.blocks.size(), 0.7 * apart.points.blocks.size());
-  // no two are left that fit into one, but for parts, which have blocks of their own
+  // no two are left that fit into one, but for layers, which have blocks of their own
   PointStore whole = p;
   std::map<int, int> no_part;
   for (int slot : joined.slots) no_part[slot] = 0;
@@ -109,7 +109,7 @@ TEST_P(JoinedCells, FullerBlocks) {
     }
 }
 
-// A second arrangement changes nothing, nor does one after the points were apart.
+// A second arrangement changes nothing, nor does one from blocks of one cell.
 TEST_P(JoinedCells, DependOnThePointsAlone) {
   PointStore again = joined.points;
   const std::vector<int> same = again.arrange(kCell, GetParam(), {}, true);

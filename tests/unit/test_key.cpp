@@ -57,7 +57,7 @@ TEST(Key, TellsOfPlacesThatAreTooFar) {
   EXPECT_THROW(Key(0, Key::kFarthest, 0, 0).moved(0, 1), OnOneRank);
 }
 
-// Bonds beyond the first million, and parts beyond a thousand, keep their motion to themselves.
+// Bonds beyond the first million, and layers beyond a thousand, keep their motion to themselves.
 TEST(Key, NodesOfManyBondsAndPartsAreApart) {
   const std::vector<Field> fields{field_of(0, 0),       field_of(0, 1),       field_of(0, 1024),     field_of(1 << 20, 0),
                                   field_of(1 << 20, 1), field_of(3 << 20, 0), field_of(kLastBody, 2)};

@@ -47,12 +47,12 @@ TEST_P(LargestEigenvalue, IsThatOfTheMatrix) {
   else EXPECT_LE(exact, bound);
 }
 
-// The eigenvalue of some blocks alone, on the grid with its ties, is that of all blocks when the points of the others failed.
+// The eigenvalue of some blocks alone, on the grid with its constraints, is that of all blocks when the points of the others failed.
 TEST_P(LargestEigenvalue, OfSomeBlocks) {
   test::Random random(152);
   Cement c(kCell, test::lattice(kCell, 4), kCell * kCell * kCell / 8, Eigen::Quaterniond(test::rotation(random.direction(), 1.0)),
            GetParam());
-  // a side of it is tied to the lines behind
+  // a side of it is constrained to the lines behind
   std::vector<ExtensionConstraint> ties;
   int least = c.grid.keys.front().at(0);
   for (const Key& k : c.grid.keys) least = std::min(least, k.at(0));

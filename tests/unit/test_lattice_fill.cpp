@@ -89,7 +89,7 @@ TEST(LatticeFill, OnePointACellInAscendingOrder) {
   }
 }
 
-// Points and links under a symmetry of lattice and body; `swapped`: grains change places.
+// Points and links under a symmetry of lattice and bond; `swapped`: grains change places.
 void expect_symmetric(const std::vector<FillPoint>& points, const FilledCase& c, const Matrix& Q, bool swapped, test::Worst& worst) {
   std::map<std::array<int, 3>, const FillPoint*> at;
   for (const FillPoint& p : points) at[cell_of(p.X, c.spacing)] = &p;
@@ -185,7 +185,7 @@ TEST(LatticeFill, RefusesASpacingThatDoesNotFit) {
   EXPECT_NE(many.find("more than the 100 that there is memory for"), std::string::npos) << many;
 }
 
-// Two bodies side by side, at a distance at which samples lie in the plane between their middles, or do not: together
+// Two bonds side by side, at a distance at which samples lie in the plane between their middles, or do not: together
 // they fill the union, whose height at (x, y) is that of the higher one.
 TEST(LatticeFill, NeighboursFillTheUnionOnce) {
   const double R = 5e-3, outer = 1e-3, spacing = 5e-5;

@@ -93,7 +93,7 @@ TEST(Ligament, OfARingWithPointsLeft) {
   }
 }
 
-// Links that let go make a section of those that hold, though no point failed.
+// Debonded links make a section of those that are intact, though no point failed.
 TEST(Ligament, AttachedPointsAreASection) {
   for (int grain : {0, 1}) {
     std::vector<CrackPoint> points = column();
@@ -297,7 +297,7 @@ TEST(Ligament, OrderOfThePointsDoesNotMatter) {
   }
 }
 
-// The bond holds by points at a grain. With skins, the link or the point breaks there: the one that is damaged more.
+// The bond is connected by points at a grain. With residue, the link or the point fails there: the one that is damaged more.
 TEST(Ligament, WithSkinsTheLinkOrThePointBreaks) {
   for (const auto& [link, point, debonds] : {std::make_tuple(0.7f, 0.2f, true), {0.2f, 0.7f, false}, {0.0f, 0.0f, false}}) {
     std::vector<CrackPoint> points = column();
@@ -323,8 +323,8 @@ TEST(Ligament, WithSkinsTheLinkOrThePointBreaks) {
   }
 }
 
-// A patch holds to the second grain beside the place where all else lets go of it. It holds to the rest of the bond over points
-// that hold to that grain themselves. It is not enough that these points let go.
+// A patch is connected to the second grain beside the place where all else debonds. It is connected to the rest of the bond over
+// points that are connected to that grain themselves. It is not enough that these points debond.
 TEST(Ligament, WithSkinsPointsThatLeadOnFail) {
   constexpr int kRim = -kWidth / 2;
   std::vector<CrackPoint> points = column();

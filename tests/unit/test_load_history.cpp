@@ -85,7 +85,7 @@ class Pair {
       const double half = upper ? 0.5 : -0.5;
       const Quaternion turned(Eigen::AngleAxisd(half * motion.tail<3>().norm(),
                                                 motion.tail<3>().norm() > 0 ? Vector(motion.tail<3>().normalized()) : Vector::UnitX()));
-      // the middle of the bond, fixed in the grain, goes half of the way
+      // the middle of the bond, fixed in the grain, goes half of the displacement
       const Vector x = half * motion.head<3>() - turned * arm(upper);
       const Vector in_box = placed_.origin + placed_.turn * x;
       const Quaternion q = placed_.turn * turned * placed_.turn.conjugate();
@@ -111,9 +111,9 @@ class Pair {
   int me_ = 0, ranks_ = 1;
 };
 
-constexpr double kUnit = 1e-4;  // of motions, so that arms do not turn
+constexpr double kUnit = 1e-4;  // of motions, so that arms do not rotate
 
-// A bond that softens is broken where less than 1 % is left, beyond the way of its largest load. This holds along each component.
+// A bond that softens is broken where less than 1 % is left, beyond the displacement of its largest load. This holds along each component.
 TEST(LoadHistory, SofteningBondIsBroken) {
   for (int c = 0; c < 6; ++c) {
     Pair pair;
@@ -133,7 +133,7 @@ TEST(LoadHistory, UnloadedBondHolds) {
   }
 }
 
-// Cycles within a window have means of zero, of load and of way, also about a way that is not zero.
+// Cycles within a window have means of zero, of load and of displacement, also about a displacement that is not zero.
 TEST(LoadHistory, CyclesHold) {
   for (double middle : {0.0, 0.5}) {
     Pair pair;
@@ -147,7 +147,7 @@ TEST(LoadHistory, CyclesHold) {
   }
 }
 
-// The largest load was one of compression. In tension as much way is needed before the bond is known to be broken.
+// The largest load was one of compression. In tension as much displacement is needed before the bond is known to be broken.
 TEST(LoadHistory, CompressionFirst) {
   Pair pair;
   EXPECT_FALSE(pair.window(2, -1000.0, -3.0 * kUnit));
@@ -180,7 +180,7 @@ TEST(LoadHistory, RingingIsLeftOut) {
   EXPECT_TRUE(pair.window(ringing, way, 0.5));
 }
 
-// The sums are the same somewhere else in the box, turned, and with the grains swapped. The sums of a restart file are the same, too.
+// The sums are the same somewhere else in the box, rotated, and with the grains swapped. The sums of a restart file are the same, too.
 TEST(LoadHistory, PlaceOrderAndRestart) {
   const auto load = [](double t) { return (Pair::Six() << 3.0 + t, -2.0, 1.0, 0.5, 0.25 * t, -1.0).finished(); };
   const auto motion = [](double t) {

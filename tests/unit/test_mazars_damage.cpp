@@ -74,7 +74,7 @@ TEST(Mazars, UniaxialTensionFollowsTheFormula) {
       expect_within(stress, 1e-12, "stress over E kappa0");
       EXPECT_GE(formula(failed_at, At), kCutoff);
       EXPECT_LT(formula(failed_at - step, At), kCutoff);
-      // Work, and what the law books, against the closed form that it prints.
+      // Work, and what the law counts, against the closed form that it prints.
       const ImpliedStrength s_of = law.implied_strength(E);
       EXPECT_NEAR(s_of.failure_strain, failed_at, step);
       EXPECT_NEAR(work / s_of.work_per_volume, 1.0, 1e-3);
@@ -84,7 +84,7 @@ TEST(Mazars, UniaxialTensionFollowsTheFormula) {
     }
 }
 
-// Energy of any path, with turns and unloading: the trapezoidal work is what is stored and what was booked.
+// Energy of any path, with rotations and unloading: the trapezoidal work is what is stored and what was counted.
 double imbalance(const MazarsDamage& law, int steps) {
   test::Random random(301);
   const Matrix A = 3e-3 * random.sym(), B = 3e-3 * random.sym();

@@ -45,7 +45,7 @@ TEST(Meniscus, OutlineIsAnArcThatMeetsTheSpheresAtTheContactAngle) {
       const double z = s == 0 ? lo : hi, b = m.filling_angle(s), R = c.pair.radius(s), into = s == 0 ? d : -d;
       ends.add(std::fabs(m.top(z) / (R * std::sin(b)) - 1.0), c.name());
       ends.add(std::fabs((z - c.pair.height(s)) / ((s == 0 ? R : -R) * std::cos(b)) - 1.0), c.name());
-      // slope of the outline along the way off the sphere, by one-sided differences
+      // slope of the outline on the path off the sphere, by one-sided differences
       const auto top = [&](int k) { return m.top(z + k * into); };
       const double slope = (-11 * top(0) + 18 * top(1) - 9 * top(2) + 2 * top(3)) / (6 * d);
       // the sphere's falls under the angle 90 - b; the outline is flatter by the contact angle

@@ -35,7 +35,7 @@ std::vector<SplitterPoint> block(int nx, int ny, int nz) {
   return points;
 }
 
-// The block with the parts that it has by now.
+// The block with the layers that it has by now.
 class Pieces {
  public:
   explicit Pieces(std::vector<SplitterPoint> points) : points_(points), lattice_(std::move(points), Basis::quadratic) {
@@ -61,7 +61,7 @@ class Pieces {
     lattice_.leave(copies);
   }
 
-  // Looks at the points that hold in the support of each node: which of them share its copy, and which are connected?
+  // Checks the intact points in the support of each node: which of them share a phantom node, and which are connected?
   void check() const {
     std::map<GridIndex, std::vector<int>> nodes;
     for (int i = 0; i < static_cast<int>(points_.size()); ++i)
@@ -75,7 +75,7 @@ class Pieces {
       for (std::size_t k = 0; k < n.second.size(); ++k) {
         const SplitterPoint& p = points_[n.second[k]];
         const int stands = copies.representative(p.layer, n.first);
-        // what stands for a copy stands for itself
+        // what represents a phantom node represents itself
         ASSERT_EQ(copies.representative(stands, n.first), stands);
         all += volume_at(p, n.first);
         volumes[stands] = copies.at(p.layer, n.first).volume;
@@ -113,8 +113,8 @@ class Pieces {
   }
 
  private:
-  // Nodes that stand for others now, and those of the new parts, take the motion of the node that stood for them. Nodes of other parts than those
-  // that stand may not be there.
+  // Nodes that represent others now, and those of the new layers, take the motion of the node that represented them. Nodes that
+  // represent none may not be there.
   void take(const NodeChange& change, const PhantomNodes& before) {
     std::map<std::pair<GridIndex, int>, int> source;
     for (const NodeChange::Source& s : change.sources) {
@@ -168,7 +168,7 @@ TEST(PhantomNodes, OneFailedPointSplitsNothing) {
   EXPECT_TRUE(p.copies.empty());
 }
 
-// Lists of points that do not belong together are told of.
+// Lists of points that do not belong together are errors.
 TEST(PhantomNodes, PointsThatAreNotThere) {
   PhantomNodes copies;
   NodeSplitter lattice(block(2, 2, 2), Basis::quadratic);
@@ -195,7 +195,7 @@ TEST(PhantomNodes, PointsOnFacesOfCells) {
     for (const PhantomNodes::Entry& e : row.second) EXPECT_TRUE(std::isfinite(e.volume));
 }
 
-// Nodes up to the tip are whole if the crack does not part their support.
+// Nodes up to the tip are whole if the crack does not divide their support.
 TEST(PhantomNodes, CrackWithATip) {
   std::vector<SplitterPoint> points = block(12, 16, 6);
   Pieces p(points);
@@ -214,7 +214,7 @@ TEST(PhantomNodes, CrackWithATip) {
   EXPECT_EQ(split, (std::set<int>{-1, 0, 1, 2}));
 }
 
-// A failed point between two sides of as many points goes with that whose middle is nearer, along each axis and in either sense.
+// A failed point between two sides of as many points joins that whose middle is nearer, along each axis and in either sense.
 TEST(PhantomNodes, FailedPointGoesWithTheNearerMiddle) {
   const int far[3][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}}, near[3][3] = {{0, 0, 4}, {1, 0, 4}, {0, 1, 4}};
   const auto point = [](const int* cell, int axis, bool mirrored, int tag) {
@@ -295,7 +295,7 @@ TEST(PhantomNodes, PointsLeave) {
   for (const GridIndex& n : split) EXPECT_LT(p.copies.representative_of_first(0, n), 0);
 }
 
-// New nodes take the motion of the copy that their points had.
+// New nodes take the motion of the phantom node that their points had.
 TEST(PhantomNodes, SourcesAreThoseOfThePoints) {
   std::vector<SplitterPoint> points = block(12, 6, 6);
   NodeSplitter lattice(points, Basis::quadratic);
@@ -335,7 +335,7 @@ TEST(PhantomNodes, PiecesShareNoNode) {
       }
 }
 
-// A fold of two layers that meet at one end: nodes beside the fold know which layer they go on in.
+// A fold of two slabs that meet at one end: nodes beside the fold know in which layer they continue.
 TEST(PhantomNodes, NextNodesAtTheStart) {
   std::vector<SplitterPoint> points;
   for (SplitterPoint p : block(16, 4, 6)) {
@@ -360,7 +360,7 @@ TEST(PhantomNodes, NextNodesAtTheStart) {
         if (copies.row(node)) {
           ASSERT_EQ(to, copies.at(p.layer, next).first);
           ++met;
-        } else if (copies.row(next) && to != -1) {  // whole, before a split one: one of its copies, if only that is met
+        } else if (copies.row(next) && to != -1) {  // whole, before a split one: one of its phantom nodes, if only that is met
           ASSERT_EQ(to, copies.at(p.layer, next).first);
         } else if (copies.row(next)) {
           ++forks;

@@ -14,7 +14,7 @@
 namespace mpdem {
 namespace {
 
-// A grid has the nodes that stand for those of a part, whose points may all have left part 0: those of each cell of a block.
+// A grid has the nodes that represent those of a layer, whose points may all have left layer 0: those of each cell of a block.
 TEST(NodeSplitting, NodesThatStandForThoseOfABlock) {
   constexpr double kCell = 1e-3;
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic})
@@ -48,8 +48,8 @@ CementOptions that_borrow() {
   return o;
 }
 
-// Points that failed in part 2 among whole ones: with nodes of their own, of which each stands for itself in part 0 and moves as that does, they have
-// the same place and the same mass.
+// Points that failed in layer 2 among intact ones: with nodes of their own, each of which moves as that of layer 0 does, they have the same
+// place and the same mass.
 TEST(NodeAliases, PlaceAndMassAreThoseOfOwnNodes) {
   constexpr double kCell = 1e-3, kDensity = 2710.0;
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic})
@@ -113,7 +113,7 @@ TEST(NodeAliases, PlaceAndMassAreThoseOfOwnNodes) {
         }
       });
       EXPECT_GT(borrowing, 0);
-      // nodes went elsewhere: lists go along
+      // nodes went elsewhere: lists follow
       std::vector<int> before;
       for (const BlockMeta& m : points.meta) for_each_node(lent, m, [&](int i) { before.push_back(i); });
       const std::vector<Key> keys = lent.keys;
@@ -129,7 +129,7 @@ TEST(NodeAliases, PlaceAndMassAreThoseOfOwnNodes) {
     }
 }
 
-// Points may not borrow if they may be stiff again, touch, hold to a grain, or go through the pass over the points.
+// Points may have no aliases if they may be stiff again, touch, are connected to a grain, or go through the pass over the points.
 TEST(NodeAliases, WhoMayBorrow) {
   BlockMeta dead;
   dead.layer = 3;

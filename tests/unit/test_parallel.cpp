@@ -144,7 +144,7 @@ TEST_F(Ranks, HaloSum) {
         for (double& v : values) v = random_.uniform(-1, 1) * std::pow(10.0, random_.uniform(-3, 3));
         const std::vector<std::vector<double>> all_values = gather_all(values);
         halo.sum(values.data(), width);
-        // what all holders have, in the order of the ranks: equal to the bit
+        // what all holders have, in the order of the ranks: bitwise identical
         std::map<Key, std::vector<double>> sums;
         for (int r = 0; r < ranks(); ++r)
           for (std::size_t i = 0; i < all_keys[r].size(); ++i) {
@@ -166,7 +166,7 @@ TEST_F(Ranks, HaloSum) {
     }
 }
 
-// Many arrays in one message a rank: the same bits as one after the other. Some parts no rank shares, or this one has nothing of.
+// Many arrays in one message a rank: bitwise identical to one after the other. Some arrays no rank shares, or this one has nothing of.
 TEST_F(Ranks, HaloSumsAreHaloSumsOneByOne) {
   constexpr int kParts = 6;
   const double share[kParts] = {0.5, 0.0, 1.0, 0.05, 0.3, 0.8};
@@ -175,7 +175,7 @@ TEST_F(Ranks, HaloSumsAreHaloSumsOneByOne) {
     std::vector<std::vector<Key>> keys(kParts);
     std::size_t shared = 0;
     for (int p = 0; p < kParts; ++p) {
-      // of the part before the last rank 0 holds nothing, of the last only one rank holds anything
+      // of the array before the last rank 0 holds nothing, of the last only one rank holds anything
       const bool none = (p == kParts - 2 && rank() == 0) || (p == kParts - 1 && rank() != ranks() - 1);
       keys[p] = random_keys(random_, none ? 0.0 : share[p]);
       for (Key& k : keys[p]) k = k.with_field(k.field() + 2 * p);
@@ -206,7 +206,7 @@ TEST_F(Ranks, HaloSumsAreHaloSumsOneByOne) {
   }
 }
 
-// Grids of several bonds laid out at once are those laid out one by one: nodes, columns, motion, halo. One bond came apart,
+// Grids of several bonds laid out at once are those laid out one by one: nodes, columns, motion, halo. One bond is separated,
 // the motion of another is known to all, of some this rank has nothing.
 TEST_F(Ranks, GridsAtOnceAreGridsOneByOne) {
   constexpr int kBonds = 5;
@@ -390,7 +390,7 @@ TEST_F(Ranks, BondEnds) {
         m.omega[d] = same.uniform(-1, 1);
       }
     }
-  // side k belongs to rank k mod ranks, but the last to nobody in the second round
+  // end k belongs to rank k mod ranks, but the last to nobody in the second round
   for (bool lost : {false, true}) {
     std::vector<int> here;  // bonds with nodes on this rank
     std::vector<Key> owned;
@@ -413,7 +413,7 @@ TEST_F(Ranks, BondEnds) {
     }
     std::vector<double> forces(12 * n, 0.0);
     ends.clear_forces();
-    // of either grain both sides are here, one behind the other
+    // of either grain both ends are here, one behind the other
     std::set<int> bonds(here.begin(), here.end());
     for (const Key& k : owned) {
       bonds.insert(row_of(k.field()));

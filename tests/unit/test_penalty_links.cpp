@@ -23,7 +23,7 @@ class Links : public ::testing::TestWithParam<bool> {};
 TEST_P(Links, NothingHappensAtRestOrInRigidMotion) {
   Scene s(131, parameters(GetParam()));
   EXPECT_LE(s.energy(), 1e-26);
-  // both grains and the nodes of a body turn about its origin and move on
+  // both grains and the nodes of a bond rotate about its origin and move on
   for (int b = 0; b < 2; ++b) {
     const Matrix R = test::rotation(s.random.direction(), 2.0);
     const Vector t = s.random.vector();
@@ -158,7 +158,7 @@ TEST_P(Links, DampersTakeThePowerTheyClaim) {
   test::expect_within(std::fabs(power / claimed_power(0.3) - 1.0), 1e-12, "power, later");
 }
 
-// Points go to other cells, links let go and lose their added mass: blocks that follow are those built anew, to the bit.
+// Points go to other cells, links debond and lose their added mass: blocks that follow are bitwise identical to those built anew.
 TEST_P(Links, FollowPointsThatChangeCells) {
   Scene one(141, parameters(GetParam(), 0.3)), two(141, parameters(GetParam(), 0.3));
   int crossings = 0;
@@ -267,7 +267,7 @@ TEST_P(Links, LetGo) {
   }
 }
 
-// Points crowd in one cell, so that blocks of links are full: one link after the other lets go, in whatever lane it is.
+// Points crowd in one cell, so that blocks of links are full: one link after the other debonds, in whatever lane it is.
 TEST_P(Links, LetGoInEachLane) {
   Scene s(142, parameters(GetParam()), Basis::quadratic, 1, 0.4 * kH);
   s.place_grains(0.2, 0.0);
@@ -302,7 +302,7 @@ TEST_P(Links, LetGoInEachLane) {
 TEST_P(Links, DirectionsOfTheSpring) {
   Scene s(138, parameters(GetParam()));
   for (int axis = 0; axis < 2; ++axis) {
-    // every node moves along or across the bond of body 0; grains stay
+    // every node moves along or across bond 0; grains stay
     const Vector n = Eigen::Map<const Vector>(s.records[0].centre[1]).normalized();
     const Vector move = 0.3 * (axis == 0 ? n : n.unitOrthogonal());
     s.place_grains(0.0, 0.0);

@@ -49,7 +49,7 @@ TEST(PointFile, PointsNearASurfaceAreAttachedByTheShell) {
   }
 }
 
-// The same tensor by components and by principal values: 0.4 and 0.1 across, turned by 30 degrees about y.
+// The same tensor by components and by principal values: 0.4 and 0.1 across, rotated by 30 degrees about y.
 TEST(PointFile, DamageByPrincipalValuesIsThatByComponents) {
   const double c = std::cos(M_PI / 6), s = std::sin(M_PI / 6);
   char principal[400], tensor[400];

@@ -134,7 +134,7 @@ void expect_arranged(const PointStore& s, const std::vector<PointRecord>& record
     EXPECT_EQ(s.meta[b].linked >> l & 1, r.links > 0);
     for (int d = 0; d < 3; ++d) EXPECT_EQ(s.meta[b].base[d], support_base(r.X[d], 1.0 / kCell, 0.5));
   }
-  std::vector<std::array<int, 6>> order;  // body, part, cell, tag
+  std::vector<std::array<int, 6>> order;  // bond, layer, cell, tag
   for (std::size_t b = 0; b < s.blocks.size(); ++b) {
     const BlockMeta& m = s.meta[b];
     bool damaged = false;
@@ -300,7 +300,7 @@ TEST(PointStore, ArrangeMovesPointsToOtherParts) {
   expect_arranged(f.store, f.records, f.tags, f.arrange(layer));
 }
 
-// Points go to parts in place, round by round, as where nodes split. The store is that which a layout of the same points gives, to the bit.
+// Points go to layers in place, round by round, as where nodes split. The store is bitwise that of a layout of the same points.
 TEST(PointStore, PartsInPlace) {
   for (bool moving : {false, true}) {
     Filled f(93, 400);
@@ -320,7 +320,7 @@ TEST(PointStore, PartsInPlace) {
       for (std::size_t b = 0; b < f.store.blocks.size(); ++b)
         for (int l = 0; l < kLanes; ++l) {
           if (!(f.store.meta[b].occupied >> l & 1)) continue;
-          // some blocks as a whole, of others a few points; some to the part where they are, or back
+          // some blocks as a whole, of others a few points; some to the layer where they are, or back
           const bool whole = (b + round) % 7 == 0;
           if (!whole && random.index(6) != 0) continue;
           const int layer = whole ? 3 - round % 3 : random.index(4);

@@ -92,7 +92,7 @@ TEST(RadialAxis, IsALineThatDoesNotKnowWhichSphereIsFirst) {
       }
 }
 
-// Rounding of a point that is as near to both spheres does not turn its axis.
+// Rounding of a point that is as near to both spheres does not rotate its axis.
 TEST(RadialAxis, RoundingDoesNotTurnIt) {
   for (const Pair& p : {kEqual, kUnequal})
     for (double aside : {0.7, 1.9}) {

@@ -12,7 +12,7 @@ using test::Scene;
 using test::Vector;
 
 constexpr double kShare = 0.3, kSpeed = 2.0;
-constexpr int kPieces = 4;  // of the second body
+constexpr int kPieces = 4;  // of the second bond
 
 struct Damped : Scene {
   explicit Damped(std::uint64_t seed, const std::vector<char>& apart = {0, 0})
@@ -119,7 +119,7 @@ TEST(RelativeDamping, TakesThePowerItClaims) {
   }
 }
 
-// The second body came apart: piece 0 follows the first grain alone, 1 the second, loose ones go their way.
+// The second bond is separated: piece 0 follows the first grain alone, 1 the second, loose ones follow none.
 TEST(RelativeDamping, PartsFollowTheirOwnGrain) {
   Damped s(165, {0, 1});
   const std::vector<std::vector<double>> force = s.damping();
@@ -142,7 +142,7 @@ TEST(RelativeDamping, PartsFollowTheirOwnGrain) {
   s.expect_balanced(force, 1e-13, "damping");
 }
 
-// A grain that flew far has no hold on the cement.
+// A grain that flew far does not damp the cement.
 TEST(RelativeDamping, EndsAtADistance) {
   Damped s(166);
   for (int i = 0; i < 4; ++i)

@@ -29,7 +29,7 @@ double spline(int degree, double t) {
 
 enum class Places { lattice, some_moved, anywhere };
 
-// Points of a body 3 by 4 cells across, whose columns are 1 to 22 cells long. Some places have two points.
+// Points of a bond 3 by 4 cells across, whose columns are 1 to 22 cells long. Some places have two points.
 std::vector<Vector> body(test::Random& random, Places places) {
   std::vector<Vector> X;
   for (int i = 0; i < 6; ++i)
@@ -55,7 +55,7 @@ class ScalarSumsOfPoints : public ::testing::TestWithParam<std::tuple<Basis, Pla
     for (int d = 0; d < 3 && w != 0.0; ++d) w *= spline(support(c.grid.basis) - 1, p.X[d][l] / kCell - key.at(d));
     return w;
   }
-  // sum_I of w(node I, point) f(point) over the points that hold
+  // sum_I of w(node I, point) f(point) over the intact points
   template <class F>
   std::vector<double> direct(F f) const {
     std::vector<double> sum(c.grid.size(), 0.0);

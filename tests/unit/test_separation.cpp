@@ -22,8 +22,8 @@ TEST(Separation, IntactBond) {
   EXPECT_EQ(s.debonded_share(), 0.0);
 }
 
-// The layer of points at a grain fails: with its links the bond lets go of the grain; if these hold, the layer is a skin on the grain and
-// the crack is inside. Either way what is left goes with the other grain.
+// The layer of points at a grain fails: with its links the bond debonds there; if these are intact, the layer is residue on the grain and
+// the crack is inside. In both cases what is left follows the other grain.
 TEST(Separation, SkinsOnAGrain) {
   for (int grain : {0, 1}) {
     const int layer = grain == 0 ? 0 : kHeight - 1;
@@ -44,14 +44,14 @@ TEST(Separation, SkinsOnAGrain) {
     EXPECT_NEAR(skin.inside, kAll, 1e-12);
     for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(skin.piece[i], (level(points[i]) == layer) == (grain == 1) ? 1 : 0) << i;
     const Separation half = separate(cut([](const CrackPoint& p) { return p.cell[0] < 0; }), kFace);
-    // points as near to a skin as to what holds above them count half
+    // points as near to residue as to what is intact above them count half
     EXPECT_NEAR(half.at_grain[grain], 0.5 * (kAll - kWidth) * kLinkArea, 1e-12);
     EXPECT_EQ(half.at_grain[1 - grain], 0.0);
     EXPECT_NEAR(half.inside, 0.5 * (kAll + kWidth), 1e-12);
   }
 }
 
-// If the cement is one point thick, the crack runs through skins that are on both grains.
+// If the cement is one point thick, the crack runs through residue that is on both grains.
 TEST(Separation, SkinsOnBothGrains) {
   std::vector<CrackPoint> points = column(kWidth, 1);
   for (CrackPoint& p : points) {
@@ -91,7 +91,7 @@ TEST(Separation, ABandThatReachesAGrain) {
   expect(crack_at(3, 20.0), 0.5, 0.5, 0.0);
 }
 
-// The path leads from grain to grain, over faces of intact points, past damage where there is a way.
+// The path leads from grain to grain, over faces of intact points, past damage where that is possible.
 TEST(Separation, PathOfIntactPoints) {
   std::vector<CrackPoint> points = column();
   const auto expect_path = [&](std::size_t length) {
@@ -124,7 +124,7 @@ TEST(Separation, PathOfIntactPoints) {
   EXPECT_TRUE(separate(points, kFace).path.empty());
 }
 
-// The fields are random, of few values of damage and of many, with parts or empty space. No path over points and links has less damage
+// The fields are random, of few values of damage and of many, with layers or empty space. No path over points and links has less damage
 // than the one that is named. There is no path where the bond is separated.
 TEST(Separation, ThePathIsThatOfTheLeastDamage) {
   test::Random random(977);
@@ -191,7 +191,7 @@ TEST(Separation, CrackInside) {
 TEST(Separation, Debonding) {
   for (int grain = 0; grain < 2; ++grain) {
     std::vector<CrackPoint> points = column();
-    for (CrackPoint& p : points) p.attached[grain] = false;  // the links let go, no point failed
+    for (CrackPoint& p : points) p.attached[grain] = false;  // the links debonded, no point failed
     const Separation s = separate(points, kFace);
     EXPECT_TRUE(s.separated);
     EXPECT_NEAR(s.at_grain[grain], kLinkArea * kWidth * kWidth, 1e-12);
@@ -215,7 +215,7 @@ TEST(Separation, BothGrainsLetGo) {
   EXPECT_EQ(separate(points, kFace).debonded_share(), 0.0);
 }
 
-// There are two cracks. If one runs along a grain, that grain has let go of all of its surface, which is debonding.
+// There are two cracks. If one runs along a grain, all of the cement at that grain has debonded.
 TEST(Separation, TwoCracks) {
   for (const auto& [levels, share] : {std::make_pair(std::make_pair(0, 5), 1.0), {{5, kHeight - 1}, 1.0}, {{3, 6}, 0.0}}) {
     std::vector<CrackPoint> points = column();
@@ -228,7 +228,7 @@ TEST(Separation, TwoCracks) {
   }
 }
 
-// A stepped crack has known areas: a ring lets go at the first grain, and the core breaks through the middle.
+// A stepped crack has known areas: a ring debonds at the first grain, and the core breaks through the middle.
 TEST(Separation, SteppedCrack) {
   std::vector<CrackPoint> points = column();
   const auto core = [](const CrackPoint& p) { return p.cell[0] >= -2 && p.cell[0] < 2 && p.cell[1] >= -2 && p.cell[1] < 2; };
@@ -243,7 +243,7 @@ TEST(Separation, SteppedCrack) {
   const Separation s = separate(points, kFace);
   EXPECT_TRUE(s.separated);
   EXPECT_EQ(s.at_grain[1], 0.0);
-  // the column of failed points about the core goes half with it, half with what is outside
+  // the column of failed points about the core counts half to it, half to what is outside
   EXPECT_GE(s.at_grain[0], kLinkArea * (kWidth * kWidth - 36) - 1e-9);
   EXPECT_LE(s.at_grain[0], kLinkArea * (kWidth * kWidth - 16) + 1e-9);
   EXPECT_GE(s.inside, 16.0);
@@ -268,8 +268,8 @@ TEST(Separation, MixedMode) {
   EXPECT_LT(s.debonded_share(), 0.9);
 }
 
-// Cement that both grains let go, at one look or one after the other, is a loose piece even if it is all there is.
-// Parts 0 and 1 follow their grains.
+// Cement that debonds from both grains, at one check or one after the other, is a loose piece even if it is all there is.
+// Layers 0 and 1 follow their grains.
 TEST(Separation, ALoneLoosePieceFollowsNoGrain) {
   const auto parts_of_rest = [](std::vector<CrackPoint>& points) {
     const Separation s = separate(points, kFace);
@@ -310,11 +310,11 @@ TEST(Separation, LoosePiecesBecomePartsAndCrumbsDoNot) {
     if (!points[i].failed) {
       EXPECT_EQ(s.piece[i], level(points[i]) < 3 ? 0 : level(points[i]) > 6 ? 1 : 2);
     }
-  // a later look at the same parts changes nothing
+  // a later check of the same layers changes nothing
   for (std::size_t i = 0; i < points.size(); ++i) points[i].layer = s.piece[i];
   EXPECT_EQ(separate(points, kFace).piece, s.piece);
 
-  // a slab of fewer cells than count goes with its neighbours
+  // a slab of fewer cells than count joins its neighbours
   points = column();
   int crumb = 0;
   for (CrackPoint& p : points) {
@@ -327,7 +327,7 @@ TEST(Separation, LoosePiecesBecomePartsAndCrumbsDoNot) {
   EXPECT_LE(*std::max_element(s.piece.begin(), s.piece.end()), 1);
 }
 
-// The upper half is a second sheet. It is held where its material touches that of the first.
+// The halves are the two sides of an unbonded gap. They are connected where their material touches.
 TEST(Separation, Sheets) {
   std::vector<CrackPoint> points = column();
   const auto beside = [](const CrackPoint& p) { return std::abs(p.cell[0] + 1) <= 1 && std::abs(p.cell[1] + 1) <= 1; };
@@ -344,14 +344,14 @@ TEST(Separation, Sheets) {
     if (beside(p) && level(p) == 5) fail(p);
   const Separation s = separate(cut, kFace);
   EXPECT_TRUE(s.separated);
-  EXPECT_EQ(s.inside, 9.0);  // nothing comes apart where nothing held
+  EXPECT_EQ(s.inside, 9.0);  // nothing separates where nothing was connected
   leave_space(0.06f, 0.03f);
   EXPECT_FALSE(separate(points, kFace).separated);
   leave_space(0.06f, 0.05f);
   EXPECT_TRUE(separate(points, kFace).separated);
 }
 
-// A part that breaks again splits, and never takes in points of another part.
+// A layer that breaks again splits, and never takes in points of another layer.
 TEST(Separation, PartsOnlySplit) {
   std::vector<CrackPoint> points = column();
   for (CrackPoint& p : points)
@@ -361,7 +361,7 @@ TEST(Separation, PartsOnlySplit) {
   for (CrackPoint& p : points)
     if (level(p) == 2) fail(p);
   const Separation second = separate(points, kFace);
-  std::map<int, int> parent;  // new part to old
+  std::map<int, int> parent;  // new layer to old
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto it = parent.emplace(second.piece[i], points[i].layer).first;
     EXPECT_EQ(it->second, points[i].layer);
@@ -371,9 +371,9 @@ TEST(Separation, PartsOnlySplit) {
   }
 }
 
-// A point that is as far from the material of either grain counts half to each. It goes with the grain whose surface is nearer.
+// A point that is as far from the material of either grain counts half to each. It follows the grain whose surface is nearer.
 TEST(Separation, PointsHalfWayCountHalfToEach) {
-  // a rim that broke through: in the lower level the first grain let go, in the upper the second
+  // a rim that broke through: in the lower level the first grain debonded, in the upper the second
   for (int at : {2, 7}) {
     std::vector<CrackPoint> points = column();
     for (CrackPoint& p : points)
@@ -385,7 +385,7 @@ TEST(Separation, PointsHalfWayCountHalfToEach) {
         EXPECT_EQ(s.piece[i], at == 7);
       }
   }
-  // one column of failed points, of the height of the bond, between what holds to the one grain and what holds to the other
+  // one column of failed points, of the height of the bond, between what is connected to the one grain and what to the other
   std::vector<CrackPoint> points = column();
   for (CrackPoint& p : points) {
     if (p.cell[0] == 0) fail(p);
@@ -404,7 +404,7 @@ TEST(Separation, PointsHalfWayCountHalfToEach) {
     }
 }
 
-// A point that no step from cell to cell leads to goes with the nearer grain. It does so when the bond comes apart and not later.
+// A point that no step from cell to cell leads to follows the nearer grain. It does so when the bond separates and not later.
 TEST(Separation, PointsThatCannotBeReached) {
   std::vector<CrackPoint> points = column();
   for (CrackPoint& p : points)
@@ -425,7 +425,7 @@ TEST(Separation, PointsThatCannotBeReached) {
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(s.piece[i], points[i].layer);
 }
 
-// If the first grain and the second are swapped, areas and parts of the grains swap and the rest stays.
+// If the first grain and the second are swapped, areas and pieces of the grains swap and the rest stays.
 TEST(Separation, WhichGrainIsTheFirstDoesNotMatter) {
   test::Random random(183);
   int separated = 0, pieces = 0;

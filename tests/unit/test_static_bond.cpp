@@ -50,7 +50,7 @@ TEST(StaticBond, TensionTorsionAndBendingOfDisc) {
   test::expect_within(std::fabs(p.torsion / layers(0.5 * test::kYoung, 2) - 1.0), 0.02, "torsion");
   test::expect_within(std::fabs(p.bending[0] / (0.5 * layers(test::kYoung, 2)) - 1.0), 0.02, "bending");
   test::expect_within(std::fabs(p.bending[1] / p.bending[0] - 1.0), 1e-6, "bending about x and y");
-  // turned shear strain apart: the disc is as wide as it is thick
+  // not in simple shear: the disc is as wide as it is thick
   EXPECT_LT(p.shear[0], layers(0.5 * test::kYoung, 0));
   EXPECT_GT(p.shear[0], 0.5 * layers(0.5 * test::kYoung, 0));
   for (int d = 0; d < 2; ++d) EXPECT_NEAR(s.middle[d], 0.0, 1e-12);
@@ -62,7 +62,7 @@ static_assert(std::is_same_v<decltype(std::declval<const Scene&>().bonds()), con
 static_assert(std::is_same_v<decltype(*std::declval<const Grain&>().state), const GrainState&>);
 static_assert(!std::is_copy_constructible_v<BondedGrains>);
 
-// Condensed bonds have no sides in a step, but the query finds sides of all. Bonds keep those of the step.
+// Condensed bonds have no ends in a step, but the query finds ends of all. Bonds keep those of the step.
 TEST(StaticBond, LeavesSidesAsTheyAre) {
   RowOfGrains host(MPI_COMM_WORLD, elastic_row(2));
   host.setup();
@@ -79,7 +79,7 @@ TEST(StaticBond, LeavesSidesAsTheyAre) {
   EXPECT_EQ(host.cement->grains().ends.ends.size(), sides);
 }
 
-// Whether an awake bond would be the same if it were condensed is told by static fields, which are found anew when the bond has another
+// Whether a resolved bond would be the same if it were condensed follows from static fields, which are found anew when the bond has another
 // layout. Here another law would give other fields.
 TEST(StaticBond, FieldsOfAnotherLayout) {
   RowOfGrains host(MPI_COMM_SELF, elastic_row());
@@ -102,7 +102,7 @@ TEST(StaticBond, FieldsOfAnotherLayout) {
   EXPECT_FALSE(fits(stiffer));
 }
 
-// The engine itself runs and pulls slowly. The force is K times the way.
+// The engine itself runs and pulls slowly. The force is K times the displacement.
 TEST(StaticBond, ForceOfTheRun) {
   Row r = elastic_row();
   r.speed = 0.2;
@@ -144,7 +144,7 @@ TEST(StaticBond, SameOnAllRanks) {
   }
 }
 
-// One of three bonds has a link that let go, and so is no equal of the others.
+// One of three bonds has a debonded link, and so is no equal of the others.
 TEST(StaticBond, WhatIsNotEqualIsSolved) {
   RowOfGrains host(MPI_COMM_SELF, elastic_row(3));
   Bond& b = *host.bonds.find(1);
@@ -158,7 +158,7 @@ TEST(StaticBond, WhatIsNotEqualIsSolved) {
   for (Link& k : b.points.links)
     if (k.grain == 2) k.attached = false;
   const auto free = host.cement->stiffness_of_bonds();
-  EXPECT_LT(matrix(free[1]).norm(), 1e-12 * matrix(free[0]).norm());  // holds one grain only
+  EXPECT_LT(matrix(free[1]).norm(), 1e-12 * matrix(free[0]).norm());  // is connected to one grain only
 }
 
 // Bonds of scattered points, some with links to both grains, to test what holds for every bond.
@@ -168,7 +168,7 @@ struct Solved {
   test::Scene scene;
   NoDamage law{VtiElasticity(VtiConstants::isotropic(5.0, 0.2))};
   StaticBond bond;
-  // The whole scene is turned by Q. It is also moved unless Q is the identity.
+  // The whole scene is rotated by Q. It is also moved unless Q is the identity.
   Solved(bool at_surface, const Eigen::Matrix3d& Q = Eigen::Matrix3d::Identity()) : scene(3, test::penalty(at_surface, 0.0)) {
     scene.tie();
     const Eigen::Quaterniond turn(Q);

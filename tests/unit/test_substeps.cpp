@@ -17,7 +17,7 @@ namespace {
 using test::Row;
 using test::RowOfGrains;
 
-// Largest difference over the largest number of the kind, over all points and grains. Of grains three numbers are one kind. What is next to nothing has
+// Largest difference over the largest number of the kind, over all points and grains. Of grains three numbers are one kind. What is almost nothing has
 // no digits.
 double difference(const std::map<int, std::vector<double>>& a, const std::map<int, std::vector<double>>& b) {
   constexpr double kNothing = 1e-7;
@@ -183,7 +183,8 @@ INSTANTIATE_TEST_SUITE_P(Substeps, FreePair,
                                            Pair{100.0, 0.0, 14}, Pair{1e4, 0.0, 14}, Pair{10.0, 0.4, 14}, Pair{100.0, 0.4, 9},
                                            Pair{1e4, 0.4, 14}, Pair{1e4, 1.0, 9}));
 
-// The work of loads of the host on cement that they move along is in the books. With links and cement that give way it is not that of the grains alone.
+// The work of loads of the host on cement that they move along is in the energy balance.
+// With compliant links and cement it is not that of the grains alone.
 TEST_P(FreePair, BooksBalance) {
   const Pair& p = GetParam();
   Row r = free_row(p);
@@ -191,7 +192,7 @@ TEST_P(FreePair, BooksBalance) {
   RowOfGrains host(MPI_COMM_WORLD, r);
   host.dt = step_of_host(p);
   host.setup();
-  double worst = 0.0, most = 0.0;  // it swings back to next to no work
+  double worst = 0.0, most = 0.0;  // it swings back to almost no work
   for (int n = 0; n < 200; ++n) {
     host.step();
     if (n % 10 != 9) continue;
@@ -202,7 +203,7 @@ TEST_P(FreePair, BooksBalance) {
   test::expect_within(worst / most, 1e-6, "imbalance of the books");
 }
 
-// Half of the points of a bond failed and hold to nothing. The host has forces for long, and the other half bears them.
+// Half of the points of a bond failed and are connected to nothing. The host has forces for long, and the other half carries them.
 // These forces do not set the failed points in motion.
 TEST(Substeps, FailedPointsAreNotPushed) {
   Row r;
@@ -314,7 +315,7 @@ Eigen::MatrixXd stiffness_of_row(const std::vector<StiffnessOfBond>& bonds) {
                      arm = d < 2 ? 0.0 : -sign * (test::kRadius + 0.5 * test::kGap);  // from the grain to the middle
         motion(d, 6 * s + d) = motion(3 + d, 6 * s + 3 + d) = sign;
         if (arm != 0.0) {
-          motion(f, 6 * s + 3 + e) = -sign * arm;  // a turn about e takes what lies along d along -f
+          motion(f, 6 * s + 3 + e) = -sign * arm;  // a rotation about e takes what lies along d along -f
           motion(e, 6 * s + 3 + f) = sign * arm;
         }
       }
@@ -392,7 +393,7 @@ TEST(Substeps, FrequencyOfAFreePair) {
   EXPECT_NEAR(M_PI * 4 / (end - first) / w, 1.0, 2e-3);
 }
 
-// Pulled to failure: the same peak and events of all ranks, as one alone has them; the books balance.
+// Pulled to failure: the same peak and events of all ranks, as one alone has them; the energies balance.
 TEST(Substeps, PulledThroughFailure) {
   Row r;
   r.ramp = 8e-6;
@@ -441,7 +442,8 @@ class NoHost : public CementHost {
   void slots_changed(const Bond&) override {}
 };
 
-// The part by itself: a grain that is moved at an even acceleration, and one that follows an even load, are where they have to be in each sub-step.
+// The grains by themselves: one that is moved at an even acceleration, and one that follows an even load, are where they
+// have to be in each sub-step.
 TEST(Substeps, BringGrainsToWhereTheStepEnds) {
   constexpr int kSubsteps = 4;
   constexpr double kTime = 1.0, kLoad = 6.0, kMass = 2.0;
@@ -471,7 +473,7 @@ TEST(Substeps, BringGrainsToWhereTheStepEnds) {
   moved.x[0] = 2.0;  // the host moves them
   moved.velocity[0] = 3.0;
   moved.velocity[3] = 1.5;
-  pulled.x[0] = 77.0;  // which is no matter for one that is free
+  pulled.x[0] = 77.0;  // which does not matter for one that is free
   substeps.find_paths();
   for (scene.substep = 1; scene.substep <= kSubsteps; ++scene.substep) {
     const double t = scene.now.dt * scene.substep, a = kLoad / kMass;

@@ -72,7 +72,7 @@ Matrix force_by_differences(const DamageReference& reference, const Matrix& e, c
 }
 
 // Yeq comes from drive(); the direction is that of a small growth, at a load so little above
-// the surface that it does not turn on the way (extrapolated to none).
+// the surface that it does not rotate meanwhile (extrapolated to none).
 void expect_force(bool monotone) {
   const TensorDamage law = law_of(monotone);
   const DamageReference reference(test::calcite());

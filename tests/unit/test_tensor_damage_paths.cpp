@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Strain paths against data/damage_paths.csv, computed by data/generate_damage_paths.py:
-// proportional and turning, isotropic and not, with every switch of the law, to failure.
+// proportional and rotating, isotropic and not, with every switch of the law, to failure.
 #include <fstream>
 #include <map>
 #include <sstream>

@@ -34,7 +34,7 @@ Block random_block(const TensorDamage& law, test::Random& random) {
   return b;
 }
 
-// A lane's result is the same to the bit whatever the others hold.
+// A lane's result is bitwise identical whatever the others hold.
 TEST(TensorDamageUpdate, InactiveLanesKeepTheirDamageAndStayOutOfIt) {
   for (bool monotone : {true, false}) {
     const TensorDamage law = law_of(monotone);
@@ -148,7 +148,7 @@ TEST(TensorDamageUpdate, AdmissibleOnRandomWalks) {
   }
 }
 
-// Strains that turn as they grow, in n steps from the onset of damage to `reach` times it; D at the end.
+// Strains that rotate as they grow, in n steps from the onset of damage to `reach` times it; D at the end.
 std::vector<Matrix> turned(double exponent, int n) {
   DamageParameters p;
   p.B0 = kB0;

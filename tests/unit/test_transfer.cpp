@@ -162,7 +162,7 @@ TYPED_TEST(Transfers, ValueAndGradientAreContinuousAcrossCells) {
     EXPECT_NEAR(double(b.w[d][S - 1][0]), 0.0, 1e-15);
     for (int i = 0; i < S - 1; ++i) {
       EXPECT_NEAR(double(a.w[d][i + 1][0]), double(b.w[d][i][0]), 1e-15);
-      if (S > 2) {  // a tent has a kink there
+      if (S > 2) {  // a linear hat function has a kink there
         EXPECT_NEAR(double(a.dw[d][i + 1][0]), double(b.dw[d][i][0]), 1e-14);
       }
     }

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-"""Geometry of the cement with its attached points, and how the bond to a grain lets go.
+"""Geometry of the cement with its attached points, and how it debonds from a grain.
 
-A point is drawn where it was at the first dump. `attached` of a dump: 0 no link, 1 attached, 2 let go. Points that fail and stay on the grain
-as a skin are green.
+A point is drawn where it was at the first dump. `attached` of a dump: 0 no link, 1 attached, 2 debonded. Points that fail and stay on the grain
+as residue are green.
 """
 import os
 import re
@@ -20,7 +20,7 @@ TIMES = "plasma"
 
 
 def follow_load(folder, bond):
-    """Way and load of examples/pair_table, if its table is there; its log names the load.
+    """Displacement and load of examples/pair_table, if its table is there; its log names the load.
     Returns the steps over which the script averages, None without that table."""
     path = os.path.join(folder, f"{run.beside(bond, 'load')}.csv")
     if not os.path.isfile(path):
@@ -124,7 +124,7 @@ def geometry(path, bond, points, radius, spacing):
 
 
 def interface(path, bond, grain, first, last, events, radius, spacing):
-    """Disc of the points linked to a grain: damage at the last dump, time of letting go; radius against time.
+    """Disc of the points linked to a grain: damage at the last dump, time of debonding; radius against time.
 
     Lines mark where the surface of the grain crosses from one layer of the lattice of points to the next:
     rings that lie on these are the lattice's, not the material's.

@@ -41,7 +41,7 @@ def read_table(path):
 
 
 def measure(time, way, load, window):
-    """Peak, stiffness, work and the way at which the load has fallen for good. `window` in s."""
+    """Peak, stiffness, work and the displacement at which the load has fallen for good. `window` in s."""
     nan = float("nan")
     top = int(np.argmax(np.abs(load)))
     peak = abs(load[top])

@@ -3,7 +3,7 @@
 """Map of failure modes over content and strength of the interface: a panel for each shape and load.
 
 The strength of the interface is `tn` of `bonding cohesive ...` over the tensile strength of the cement. A mark a run:
-its form is the mode, its colour the share of the separating surface that lies at a grain. Where the runs of a panel
+its form is the mode, its colour the share of the fracture surface that lies at a grain. Where the runs of a panel
 have several energies of the interface, the marks of one content stand side by side, the largest energy first.
 Above the panels stands the mode that Ham et al. (2022) saw on pairs of glass beads, by content.
 """

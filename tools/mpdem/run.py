@@ -41,17 +41,17 @@ class Bond:
             setattr(self, name, rows[:, i])
         self.force = np.sqrt(self.fx1**2 + self.fy1**2 + self.fz1**2)  # its magnitude, shear included
         self.lift = self.gap - self.gap[0]
-        self.opening = self.lift  # the way of the load, which is another with follow()
+        self.opening = self.lift  # the displacement of the load, which is another with follow()
         self.grains = int(self.grain1[0]), int(self.grain2[0])
         self.load, self.way_name, self.load_name = "tension", "gap opening", "tension"
         self.way_unit, self.way_scale, self.load_unit = "µm", 1e6, "N"
 
     def follow(self, load, step, way, force):
-        """Take the way and the force of a load other than tension from its own table."""
+        """Take the displacement and the force of a load other than tension from its own table."""
         turned = load in ("torsion", "bending")
         self.load = load
         self.opening, self.tension = np.interp(self.step, step, way), np.interp(self.step, step, force)
-        if abs(self.tension.min()) > self.tension.max():  # loaded the other way
+        if abs(self.tension.min()) > self.tension.max():  # loaded in the other sense
             self.opening, self.tension = -self.opening, -self.tension
         self.peak_tension = np.maximum.accumulate(self.tension)
         self.force = np.abs(self.tension)

@@ -41,7 +41,7 @@ def at_least_one(text):
 
 
 def add_arguments(parser, exe):
-    """Words of how runs are made: how many at a time, on how many ranks, by which executable."""
+    """Options of how runs are made: how many at a time, on how many ranks, by which executable."""
     parser.add_argument("--jobs", metavar="N", type=at_least_one, help="runs at a time (default: cores over ranks)")
     parser.add_argument("--ranks", metavar="N", type=at_least_one, default=1, help="ranks of a run (1)")
     parser.add_argument("--exe", metavar="FILE", default=exe, help="the executable")
@@ -53,7 +53,7 @@ def check_executable(args):
 
 
 def make_runs(args, out, runs):
-    """Makes the runs in the folder `out` as the words of `add_arguments` say. The Runner, and whether it was stopped."""
+    """Makes the runs in the folder `out` as the options of `add_arguments` say. The Runner, and whether it was stopped."""
     signal.signal(signal.SIGTERM, stop)
     jobs = args.jobs or max((os.cpu_count() or 1) // args.ranks, 1)
     runner = Runner(os.path.abspath(out), runs, os.path.abspath(args.exe), jobs, args.ranks)

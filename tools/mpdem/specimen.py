@@ -106,7 +106,7 @@ class Load(Stage):
                 f"{r['broken']} of {r['bonds']} bonds broken")
 
     def line(self, folder):
-        """The last line of progress of the script, by its words."""
+        """The last line of progress of the script, by its names."""
         try:
             lines = re.findall(r"^PROGRESS (.*)\n", output(folder), re.M)
         except OSError:
@@ -290,7 +290,7 @@ def bonds_at(folder):
 
 
 def beads_at(folder, most=None):
-    """Places and radii of the beads by step, by ID; of some of the steps."""
+    """Positions and radii of the beads by step, by ID; of some of the steps."""
     found = {}
     for path in glob.glob(os.path.join(folder, "beads.*.txt"))[:most]:
         with open(path) as f:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-"""Figures of a loaded specimen: curves, energy, awake bonds, strengths, bonds in space, rose of the broken ones."""
+"""Figures of a loaded specimen: curves, energy, resolved bonds, strengths, bonds in space, rose of the broken ones."""
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.lines import Line2D
@@ -73,7 +73,7 @@ def pressures(path, items):
 
 
 def awake(path, items):
-    """Awake bonds over time, and the kinetic share of the energy."""
+    """Resolved bonds over time, and the kinetic share of the energy."""
     fig, axes = plt.subplots(1, 2, figsize=(7.48, 2.9))
     for n, (load, r, c) in enumerate(items):
         style = {"color": PALETTE[n % len(PALETTE)], "ls": ("-", "--", ":")[n // len(PALETTE) % 3], "label": title_of(load)}

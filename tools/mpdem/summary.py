@@ -2,7 +2,7 @@
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 """The numbers that describe a loaded bond, and the stages worth a picture.
 
-Whether a bond is separated or broken, when and by which mode is what the table says. Loads and ways keep their sign: tension
+Whether a bond is separated or broken, when and by which mode is what the table says. Loads and displacements keep their sign: tension
 and opening of the gap are positive, compression and closing negative. `sense` is that of the largest load.
 """
 import csv
@@ -28,7 +28,7 @@ class Result:
     failure_step: float     # first row in which the bond is broken
     failure_opening: float
     mode: str
-    shares: tuple           # of the separating surface: at the first grain, at the second, inside
+    shares: tuple           # of the fracture surface: at the first grain, at the second, inside
     lowest: float           # least mean after the peak
     lowest_opening: float
     window: float
@@ -108,7 +108,7 @@ def stages(bond, result, dumps):
 
 
 def way(bond, value):
-    """A way in words: of the gap between the grains, whether it opened or closed since the first row."""
+    """A displacement in words: of the gap between the grains, whether it opened or closed since the first row."""
     size = f"{abs(value) * bond.way_scale:.4g} {bond.way_unit.replace('µ', 'u')}"
     if bond.way_name != "gap opening":
         return ("-" if value < 0.0 else "") + size

@@ -39,7 +39,7 @@ def coating_thickness(content, gap=0.0):
 
 
 class Run:
-    """One pair: words of the table and variables of the script."""
+    """One pair: entries of the table and variables of the script."""
 
     needs = includes = ()
 
