@@ -247,9 +247,9 @@ int run(int argc, char** argv) {
   std::vector<Run> all, chosen;
   for (const auto& p : problems)
     for (const Method& m : all_methods()) all.push_back({p.get(), &m, p->name + "/" + m.name()});
-  const std::regex pattern(wanted);
+  const std::regex point_template(wanted);
   for (const Run& r : all)
-    if (std::regex_search(r.name, pattern)) chosen.push_back(r);
+    if (std::regex_search(r.name, point_template)) chosen.push_back(r);
   if (chosen.empty()) {
     std::fprintf(stderr, "accuracy: no benchmark matches '%s'; names are\n", wanted.c_str());
     for (const Run& r : all) std::fprintf(stderr, "  %s\n", r.name.c_str());

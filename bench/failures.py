@@ -36,7 +36,7 @@ def measure(names, directory, quick, tell):
         seconds = cpu_seconds() - before
         result = dict(re.findall(r"(broken|mode|peak|steps) (\S+)", re.search(r"^RESULT .*", run.output, re.M)[0]))
         told = told_by_cement(run)
-        points = int(re.search(r"(\d+) material points, \d+ bodies", run.output)[1])
+        points = int(re.search(r"(\d+) material points, \d+ bonds", run.output)[1])
         in_cement = sum(t["seconds"] for t in told)
         rows.append({"fail": shape, "points": points, "steps": sum(t["steps"] for t in told), "seconds": seconds,
                      "points/s": sum(t["steps"] for t in told) / sum(t["steps"] / t["points/s"] for t in told), "broken": float(result["broken"]) == 1.0,

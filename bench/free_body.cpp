@@ -103,7 +103,7 @@ void FreeBody::start(double dt, const std::function<Point(const Point&)>& veloci
   if (method_.updated) {  // as at the end of a step
     UpdatedPass::start(points(), g, 0);
     UpdatedPass::project(points(), g, law(), density_, method_.transfer);
-    take_momentum(g);
+    velocities_from_momentum(g);
   }
   cement_->check_state();
 }

@@ -25,7 +25,7 @@ namespace {
 
 using namespace mpdem;
 
-constexpr double kFrom = 0.9, kTo = 3.0, kLooks[] = {1.1, 1.3, 1.5, 2.0, 2.5, 3.0};
+constexpr double kFrom = 0.9, kTo = 3.0, kSharesKept[] = {1.1, 1.3, 1.5, 2.0, 2.5, 3.0};
 constexpr double kFinest = 1e-4;
 const std::vector<double> kSteps = {2.5e-4, 1e-3, 2.5e-3, 1e-2, 2.5e-2, 5e-2, 1e-1};
 
@@ -87,7 +87,7 @@ Numbers run(const TensorDamage& law, int paths, bool turning, double step) {
       alive &= ~u.failed;
       n.evaluations += u.evaluations;
       ++n.steps;
-      while (next_look < 6 && size > kLooks[next_look] - 1e-9) {
+      while (next_look < 6 && size > kSharesKept[next_look] - 1e-9) {
         look(law, strain, D, alive, energy, n);
         ++next_look;
       }
@@ -149,11 +149,11 @@ int main(int argc, char** argv) {
     else if (!std::strcmp(argv[i], "--list")) list = true;
     else wanted += (wanted.empty() ? "" : "|") + std::string(argv[i]);
   }
-  const std::regex pattern(wanted);
+  const std::regex point_template(wanted);
   if (!list) std::printf("law,step,evaluations,ns,D,D_90,stress,stress_90,energy,energy_90\n");
   for (const auto& [name, exponent] : all) {
     if (list) std::printf("%s\n", name);
-    if (!std::regex_search(name, pattern)) continue;
+    if (!std::regex_search(name, point_template)) continue;
     found = true;
     if (!list) measure(name, exponent, quick);
   }

@@ -40,7 +40,7 @@ def measure(names, directory, quick, tell):
                 taken.append(loop_seconds(run))
                 if ranks == 1:
                     said, = told_by_cement(run)
-                    points, bonds = map(int, re.search(r"(\d+) material points, (\d+) bodies", run.output).groups())
+                    points, bonds = map(int, re.search(r"(\d+) material points, (\d+) bonds", run.output).groups())
         one, two = (statistics.median(t) for t in times.values())
         rows.append({"packing": kinematics, "bonds": bonds, "points": points, "points/s": said["points/s"],
                      "bytes/point": said["bytes/point"], "phases": said["said"], "one": one, "two": two, "speedup": one / two, "load": os.getloadavg()[0]})

@@ -44,7 +44,7 @@ def arguments():
                    help="dumps of the points, names or a pattern (default: points_NAME.*.txt, "
                         "NAME as in bond_NAME.csv); 'none': no cut")
     p.add_argument("--events", metavar="CSV", help="event log of fix mpm (default: events_NAME.csv, if it is there)")
-    p.add_argument("--grain", metavar="ID", type=int, help="grain whose interface is drawn (default: where most links let go)")
+    p.add_argument("--grain", metavar="ID", type=int, help="grain whose interface is drawn (default: where most links debonded)")
     p.add_argument("--out", metavar="DIR", help="where to write (default: RUN_DIR)")
     p.add_argument("--which", metavar="N", type=int, help="number of the bond to plot (default: the first)")
     p.add_argument("--radius", metavar="R", type=positive, default=0.005, help="of the two grains, m (0.005)")

@@ -55,7 +55,7 @@ def test_finer_cells(name, coarse, fine, tmp_path, figures):
 
 @pytest.mark.parametrize("name, limit", [("coating", 0.01), ("coating across a gap", 0.02)])
 def test_unbonded_gap(name, limit, tmp_path, figures):
-    """Beyond the ring in which they meet, two shells have nodes of their own (src/USER-MPDEM/fracture/crevice.h).
+    """Beyond the ring in which they meet, two shells have nodes of their own (src/USER-MPDEM/fracture/unbonded_gap.h).
 
     The end of the gap is known to a fraction of a cell, which is what the errors are: no order, but a bound. With
     nodes that the shells share the errors are 8 and 6 %, 25 and 19 % across a gap.

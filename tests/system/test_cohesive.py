@@ -62,7 +62,7 @@ def test_sheared_off_its_grains(tmp_path, figures, friction):
     text = pair(CELL / 2, cement="content 0.01") + CONTACT + fixes + motion + thermo(20, COLUMNS)
     table = run(text + "run 1200\n", tmp_path).table()
     assert table["f_bond[18]"][-1] == 0 and table["f_bond[17]"][-1] > 0.8 * table["f_bond[16]"][0]
-    figures.below(f"links that let go under pressure{',' * bool(friction)}{friction}: imbalance of the energy", abs(table["f_cem[12]"]).max(), 1e-3)
+    figures.below(f"links that debonded under pressure{',' * bool(friction)}{friction}: imbalance of the energy", abs(table["f_cem[12]"]).max(), 1e-3)
 
 
 B0, G = 9.6e3, 4.0  # strength of the cement: 19 MPa
@@ -93,9 +93,9 @@ def test_the_link_or_the_point(case, tmp_path, figures):
     listed = events(tmp_path)
     assert t["f_bond[22]"][-1] == 1 and (tmp_path / "bond.csv").read_text().splitlines()[-1].endswith("," + mode)
     told = next(line for line in done.output.splitlines() if "bond 1 of grains 1 and 2: " in line)
-    assert f": {mode}, {t['f_bond[18]'][-1]:g} points failed, {t['f_bond[17]'][-1]:g} links let go" in told
+    assert f": {mode}, {t['f_bond[18]'][-1]:g} points failed, {t['f_bond[17]'][-1]:g} links debonded" in told
     share = t["f_bond[23]"][-1] + t["f_bond[24]"][-1]
-    figures.note(f"{case}: share of the separating surface at a grain, links that let go, points that failed", [share, t["f_bond[17]"][-1], t["f_bond[18]"][-1]])
+    figures.note(f"{case}: share of the separating surface at a grain, links that debonded, points that failed", [share, t["f_bond[17]"][-1], t["f_bond[18]"][-1]])
     assert least <= share <= most
     by_link, by_point = ([r for r in listed if r[-1] == m] for m in ("debonding", "internal"))
     assert len(by_link) == t["f_bond[17]"][-1] and all(r[4] in "12" for r in by_link)
@@ -133,7 +133,7 @@ def test_residue_carries_nothing(tmp_path, figures, cracks):
         t = run(text + "run 200\n", tmp_path).table()
         assert t["f_bond[18]"][-1] == c["failed"].sum()
         loads.append(t["f_bond"][-1])
-    figures.below(f"{cracks}: load of a bond with skins against links that let go", abs(loads[0] / loads[1] - 1), 1e-9)
+    figures.below(f"{cracks}: load of a bond with skins against links that debonded", abs(loads[0] / loads[1] - 1), 1e-9)
     assert loads[0] < 0.7 * loads[2]
 
 

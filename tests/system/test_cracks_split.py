@@ -170,7 +170,7 @@ def test_what_holds_by_almost_nothing_stays_resolved(tmp_path, gap, edge, outer,
         found.append(run(made + cement(cell, 4e-9, axis="radial", damage=words) + pull(0.5, 2e-6) + thermo(10, ["f_bond", "f_cem[24]"]) + "run 600\n", folder, ranks))
     resolved, asked = (done.table()["f_bond"] for done in found)
     assert resolved.max() > 200 and (asked == resolved).all()
-    assert "condensed 0 of 1 bonds, with 0 solutions found anew; 1 stay resolved, since parts of them hold by next to nothing: of grains 1 and 2" in (tmp_path / "ye" / "log.liggghts").read_text()
+    assert "condensed 0 of 1 bonds, with 0 solutions found anew; 1 stay resolved, since pieces of them are connected by almost nothing: of grains 1 and 2" in (tmp_path / "ye" / "log.liggghts").read_text()
 
 
 def test_restart(one_rank, tmp_path, figures):

@@ -183,7 +183,7 @@ def test_section_left_of_an_intact_bond(case, made, tmp_path, figures):
         done = run(scene("flat", "cement.txt") + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + shift(1e-9, 1e-6)
                    + thermo(1, ["f_cem[2]"]) + "run 20\n", directory, ranks)
         lines.append(lines_of_modes(done.output)[-1])
-        assert done.output.count("'cracks split' of fix mpm parts them") == 1, "the cure is told once"
+        assert done.output.count("'cracks split' of fix mpm separates them") == 1, "the cure is told once"
     assert lines[0] == lines[1] and ": intact, " in lines[0]
     found = AHEAD.search(lines[0])
     assert found, lines[0]

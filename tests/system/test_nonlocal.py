@@ -77,7 +77,7 @@ def test_energy_beside_a_grain(tmp_path, figures, monkeypatch, cells_a_length, e
     ("nonlocal 2e-4 energy 1", "must lie between"),
     ("nonlocal 2e-4 energy 1e4", "or for this G_f the length between"),
     ("nonlocal 2e-4 imperfection -1e-3", "regularization nonlocal ... imperfection"),
-    ("nonlocal 2e-4 imperfection 0.2", "by how much more strain one side of a bond bears"),
+    ("nonlocal 2e-4 imperfection 0.2", "by how much more strain one side of a bond carries"),
     ("nonlocal 2e-4 imperfecton 1e-3", "and after 'regularization nonlocal' energy, imperfection"),
     ("nonlocal 2e-4 imperfection nan", "a finite number is needed"),
     ("nonlocal 2e-4 imperfection 1e-3 energy 14 imperfection 1e-3", "'imperfection' is given twice in regularization nonlocal")])
@@ -126,6 +126,6 @@ def test_imperfection_decides_which_grain_debonds(tmp_path, figures, beads, rank
         script = edit(script, "set          atom 2 diameter", "set          atom 1 diameter")
     result = launch(script, tmp_path, ranks, name="in.pair_table", arguments=[w for k, v in words.items() for w in ("-var", k, str(v))])
     assert result.status == 0, result.output
-    assert "one side of each bond bears 0.1 more strain than the other" in result.output
+    assert "one side of each bond carries 0.1 more strain than the other" in result.output
     bond = list(csv.DictReader((tmp_path / "bond_run.csv").open()))[-1]
     figures.below(f"{beads}, {ranks} ranks, imperfection of 0.1: share that is not at the weaker grain", 1 - float(bond[f"share_grain{weaker}"]), 0.01)

@@ -88,7 +88,7 @@ class Cement {
 };
 
 // Nodes of a grid for the search of constrained nodes, all of one bond and in one layer.
-inline TiedNodes edges_of(const Grid& grid) { return {grid.keys, {grid.mass.begin(), grid.mass.end()}, {}}; }
+inline EdgeNodes edges_of(const Grid& grid) { return {grid.keys, {grid.mass.begin(), grid.mass.end()}, {}}; }
 
 // Points at random in [0, n h]^3. Every node between has points all over its support.
 inline std::vector<Vector> scattered(Random& random, double h, int n, int per_cell) {

@@ -72,7 +72,7 @@ struct Scene {
     }
     const std::vector<Key> all{{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}, {1, 1, 0, 0}};
     ends.build(MPI_COMM_SELF, records, {0, 1}, all);
-    for (Bond& b : bonds) b.first_end = ends.find(b.row, 0);
+    for (Bond& b : bonds) b.first_end_index = ends.find(b.row, 0);
     place_grains(0.0, 0.0);
   }
 
@@ -100,8 +100,8 @@ struct Scene {
       b.grid.lump_mass(b.points, kDensity);
     }
   }
-  BondEnd* ends_of(const Bond& b) { return &ends.ends[b.first_end]; }
-  const BondEnd* ends_of(const Bond& b) const { return &ends.ends[b.first_end]; }
+  BondEnd* ends_of(const Bond& b) { return &ends.ends[b.first_end_index]; }
+  const BondEnd* ends_of(const Bond& b) const { return &ends.ends[b.first_end_index]; }
   // Row sums of the stiffness of the links: two numbers a node, one for the links to each grain.
   std::vector<double> row_sums(const Bond& b, double dt = kDt) const {
     std::vector<double> k(2 * b.grid.size(), 0.0);

@@ -142,9 +142,9 @@ TEST_P(AddedMassOfLinks, IsEnoughAndNoMore) {
             ASSERT_EQ(b.added.of_nodes().size(), b.grid.mass.size());
             for (int n = 0; n < b.grid.size(); ++n) {
               const double m = b.grid.mass[n], a = b.added.of_nodes()[n], k = row_sum(row_sums, n);
-              const double cement_load = std::min(bound, dt * dt * lambda * (is_bound ? b.grid.tie_factor(n) : 1.0));
+              const double cement_load = std::min(bound, dt * dt * lambda * (is_bound ? b.grid.constraint_factor(n) : 1.0));
               const double load = cement_load * m + dt * dt * k;
-              raised += is_bound && share > 0.0 && b.grid.tie_factor(n) > 1.001;
+              raised += is_bound && share > 0.0 && b.grid.constraint_factor(n) > 1.001;
               EXPECT_LE(load, bound * (m + a) * (1 + 1e-14));
               if (k == 0.0) {
                 EXPECT_EQ(a, 0.0);
@@ -278,7 +278,7 @@ TEST_P(AddedMassOfLinks, EqualBondsHoldTheirListsTogether) {
     ASSERT_FALSE(b.points.links.empty());
     double released = 0.0;
     b.links.debond(b.points, {b.points.links.front().slot}, b.grid, s->ends_of(b), 0.0, released);
-    EXPECT_TRUE(b.links.drop_inertia(b.points));
+    EXPECT_TRUE(b.links.drop_added_mass(b.points));
     std::vector<int> order(b.points.links.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(order.size() - 1 - i);
     std::reverse(b.points.links.begin(), b.points.links.end());
@@ -333,13 +333,13 @@ TEST_P(AddedMassOfLinks, ExertsNothingWhereNodesMoveWithTheGrain) {
   double size = 0.0;
   test::Worst node, grain;
   for (Bond& b : s.bonds) {
-    const std::vector<double>& of_body = field[b.row];
+    const std::vector<double>& of_other = field[b.row];
     const SharedList<double>& added = b.added.of_nodes();
-    for (std::size_t i = 0; i < of_body.size(); ++i) b.grid.force[i] = b.grid.mass[i / 3] * of_body[i];  // of the cement
+    for (std::size_t i = 0; i < of_other.size(); ++i) b.grid.force[i] = b.grid.mass[i / 3] * of_other[i];  // of the cement
     b.added.accelerate(b.grid, s.ends_of(b));
-    for (std::size_t i = 0; i < of_body.size(); ++i) size = std::max(size, std::fabs(added[i / 3] * of_body[i]));
-    for (std::size_t i = 0; i < of_body.size(); ++i)
-      if (added[i / 3] > 0.0) node.add(std::fabs(b.grid.acceleration[i] - of_body[i]));
+    for (std::size_t i = 0; i < of_other.size(); ++i) size = std::max(size, std::fabs(added[i / 3] * of_other[i]));
+    for (std::size_t i = 0; i < of_other.size(); ++i)
+      if (added[i / 3] > 0.0) node.add(std::fabs(b.grid.acceleration[i] - of_other[i]));
   }
   EXPECT_GT(size, 0.0);
   for (const BondEnd& g : s.ends.ends)
@@ -549,7 +549,7 @@ TEST_P(AddedMassOfLinks, DroppedWithLinksThatLetGo) {
   b.added.add_to_ends(b.grid, held);
   EXPECT_GT(held[0], 0.0);
 
-  b.links.drop_inertia(b.points);
+  b.links.drop_added_mass(b.points);
   s.set_added_mass();
   const std::vector<double> dropped = s.row_sums(b);
   b.added.add_to_ends(b.grid, left);

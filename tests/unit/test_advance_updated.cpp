@@ -36,7 +36,7 @@ struct Lump {
           UpdatedPass::kMargin),
         method(t) {
     c.grid.lump_mass(c.points, kCalcite);
-    c.points.let_move();
+    c.points.start_motion();
     pass.bind(c.points, c.grid);
   }
 

@@ -192,7 +192,7 @@ TEST(Cracks, SeePointsFailWhoseLinksLetGoBefore) {
   link.attached = false;
   EXPECT_FALSE(cracks.has_seen(bond));
   bond.link_step.debond = {0};
-  cracks.watch_links(bond);
+  cracks.note_debonded_links(bond);
   ASSERT_TRUE(cracks.some_path_is_cut(MPI_COMM_SELF));
   look();
   EXPECT_TRUE(cracks.has_seen(bond));

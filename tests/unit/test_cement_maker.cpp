@@ -41,7 +41,7 @@ class RowScene : public CementMakerHost {
   MPI_Comm comm;
   SceneBox box;
   std::vector<BondRecord> table;
-  CementWish wish;
+  CementRequest wish;
   std::vector<GrainToBond> grains;
   struct Point {
     int tag, row;
@@ -60,7 +60,7 @@ class RowScene : public CementMakerHost {
     wish.spacing = kSpacing;
     wish.density = 2710.0;
     wish.shapes.push_back({shape_style("flat"), {{"outer", 0.6}}});
-    wish.inner_rule = CementWish::given;
+    wish.inner_rule = CementRequest::given;
     wish.film = false;
   }
   // Sets grains at these centres with tags from 1 on. Each rank keeps its own.
@@ -83,7 +83,7 @@ class RowScene : public CementMakerHost {
   }
   std::vector<GrainTags> found(double gap = 0.1) const { return contacts(gather_all(comm, spheres()), box, gap); }
   void plan(CementPlan& plan, const std::vector<GrainTags>& pairs) {
-    plan.make(pairs, grains, cemented, [this](CementWish& w) { w = wish; });
+    plan.make(pairs, grains, cemented, [this](CementRequest& w) { w = wish; });
   }
   CementMaker::Sums make(const std::vector<GrainTags>& pairs) {
     CementPlan bonds(comm, box);
@@ -122,11 +122,11 @@ class RowScene : public CementMakerHost {
     }
     return points.size() - before;
   }
-  int pattern_of(const std::vector<FillPoint>& points) override {
-    patterns.push_back(points);
-    return static_cast<int>(patterns.size());
+  int template_of(const std::vector<FillPoint>& points) override {
+    templates.push_back(points);
+    return static_cast<int>(templates.size());
   }
-  std::vector<std::vector<FillPoint>> patterns;
+  std::vector<std::vector<FillPoint>> templates;
   void say(const std::string& text) override { said += text; }
   void warn(const std::string& text) override { said += "warning: " + text + "\n"; }
 };
@@ -205,15 +205,15 @@ TEST(CementMaker, KeepsPatternsForLater) {
   EXPECT_EQ(kept.mass, made.mass);
   EXPECT_TRUE(later.all_points().empty());
   EXPECT_EQ(later.last_tag, 100);
-  ASSERT_EQ(later.patterns.size(), 1u);
+  ASSERT_EQ(later.templates.size(), 1u);
   ASSERT_EQ(later.table.size(), 5u);
   std::vector<RowScene::Point> points = now.all_points();
   for (const BondRecord& b : later.table) {
-    EXPECT_EQ(b.pattern, 1);
-    ASSERT_EQ(static_cast<std::size_t>(b.points), later.patterns[0].size());
+    EXPECT_EQ(b.point_template, 1);
+    ASSERT_EQ(static_cast<std::size_t>(b.points), later.templates[0].size());
   }
-  for (std::size_t n = 0; n < later.patterns[0].size(); ++n)
-    for (int c = 0; c < 3; ++c) EXPECT_EQ(now.table[0].origin[c] + later.patterns[0][n].X[c], points[n].x[c]);
+  for (std::size_t n = 0; n < later.templates[0].size(); ++n)
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(now.table[0].origin[c] + later.templates[0][n].X[c], points[n].x[c]);
 }
 
 // Two commands in the same place: refused, left out, or allowed where they do not meet.
@@ -222,7 +222,7 @@ TEST(CementMaker, CementInCementIsRefusedOrLeftOut) {
     RowScene s(MPI_COMM_WORLD, 4);
     s.make({{1, 2}, {3, 4}});
     const std::size_t points = s.all_points().size();
-    s.wish.overlap = skip ? CementWish::skip : CementWish::error;
+    s.wish.overlap = skip ? CementRequest::skip : CementRequest::error;
     const std::string why = complaint([&] { s.make({{1, 2}, {2, 3}}); });
     if (skip) {
       EXPECT_EQ(why, "");
@@ -240,7 +240,7 @@ TEST(CementMaker, CementInCementIsRefusedOrLeftOut) {
 
 // Three grains in a triangle, whose bonds meet in the middle: refused, or shared out.
 TEST(CementMaker, SharesOutWhatBondsHaveInCommon) {
-  const auto made = [](CementWish::Overlap overlap, MPI_Comm comm, std::string& why) {
+  const auto made = [](CementRequest::Overlap overlap, MPI_Comm comm, std::string& why) {
     RowScene s(comm, 3);
     s.set_grains({{1.5, 2.0, 3.0}, {3.5, 2.0, 3.0}, {2.5, 2.0 + std::sqrt(3.0), 3.0}});
     s.wish.shapes[0].given["outer"] = 0.75;
@@ -250,9 +250,9 @@ TEST(CementMaker, SharesOutWhatBondsHaveInCommon) {
     return std::make_pair(sums, s.all_points());
   };
   std::string why, why_alone;
-  made(CementWish::error, MPI_COMM_WORLD, why);
+  made(CementRequest::error, MPI_COMM_WORLD, why);
   EXPECT_NE(why.find("overlaps that of grains"), std::string::npos) << why;
-  const auto trimmed = made(CementWish::trim, MPI_COMM_WORLD, why), alone = made(CementWish::trim, MPI_COMM_SELF, why_alone);
+  const auto trimmed = made(CementRequest::trim, MPI_COMM_WORLD, why), alone = made(CementRequest::trim, MPI_COMM_SELF, why_alone);
   EXPECT_EQ(why, "");
   expect_same_points(trimmed.second, alone.second);
   const double r = 0.75, one = 2.0 * M_PI * (r * r - 2.0 / 3.0 * (1.0 - std::pow(1.0 - r * r, 1.5)));

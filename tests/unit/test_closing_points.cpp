@@ -46,7 +46,7 @@ class FailedBody : public ::testing::Test {
   double energy() const { return closing.energy(body.points, body.grid); }
   // Gives all points a slip of this size along the crack.
   void slip_by(double size) {
-    body.points.let_slip();
+    body.points.start_slip();
     const Vector slip = size * normal.unitOrthogonal();
     for (PointSlip& s : body.points.slip)
       for (int d = 0; d < 3; ++d) s.at[d] = splat(slip[d]);

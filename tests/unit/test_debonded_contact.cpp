@@ -271,7 +271,7 @@ TEST(CrackFaces, CarryCompressionAndNoTension) {
   const CrackFaces& faces = *pushed.bonds.begin()->mechanism<CrackFaces>();
   EXPECT_GT(faces.pairs(), 100);
   EXPECT_EQ(faces.touching(), faces.pairs());
-  test::expect_within(faces.deepest() / (2.0 * test::kSpacing), 1e-9, "overlap over a cell");
+  test::expect_within(faces.largest_penetration() / (2.0 * test::kSpacing), 1e-9, "overlap over a cell");
   EXPECT_LT(std::fabs(force_at_end(pulled, 1)[2]), 2e-3 * force);
   EXPECT_LT(std::fabs(force_at_end(off, 1)[2]), 2e-3 * force);
 }
@@ -331,7 +331,7 @@ TEST(CrackFaces, GiveNoEnergyWhereTheyOverlap) {
         bond.grid.velocity[3 * i + 2] = 1e5 * way;
       }
     host.step();
-    overlapped += host.bonds.begin()->mechanism<CrackFaces>()->deepest() > 0.5 * kPush;
+    overlapped += host.bonds.begin()->mechanism<CrackFaces>()->largest_penetration() > 0.5 * kPush;
     host.run(100);
     const CementTotals t = host.cement->report().totals(0.1);
     EXPECT_GT(t.frictional, -1e-6 * (t.elastic + t.kinetic));
@@ -459,7 +459,7 @@ test::Scene scene_of_places(std::uint64_t seed, const PenaltyParameters& p) {
     for (Link& k : b.points.links) k.attached = false;
     b.links = s.links_anew(b);
     set_places(b, DebondedContact(b.points, s.records[b.row], p, b.grid));
-    places_of(b).open_all(b.points, s.records[b.row], b.grid, s.ends_of(b));
+    places_of(b).add_debonded_at_creation(b.points, s.records[b.row], b.grid, s.ends_of(b));
   }
   for (double size : {0.02, 0.03, 0.03}) {
     s.place_grains(size, 0.0);
@@ -486,7 +486,7 @@ TEST(DebondedContact, ANodeThatBouncesGainsLittle) {
   double stiffness = 0.0;
   for (const ContactPoint& contact : b.points.contacts)
     stiffness +=
-        (1.0 + s.ends_of(b)[contact.grain == s.records[0].grain[0] ? 0 : 1].mass_ratio) * p.stiffest_contact() * contact.inert_area;
+        (1.0 + s.ends_of(b)[contact.grain == s.records[0].grain[0] ? 0 : 1].mass_ratio) * p.stiffest_contact() * contact.added_mass_area;
   const double rate = 4.0 / 1.05 * stiffness / sum_of_stiffness(s, b),
                mean = test::energy_after_bounce(test::Random(92), [&](double) { return rate; });
   EXPECT_GT(mean, 0.9);
@@ -505,7 +505,7 @@ TEST(DebondedContact, HaveAddedMassNearTheirGrainsAlone) {
   set_places(b, DebondedContact(b.points, s.records[b.row], p, b.grid));
   b.grid.displacement.assign(b.grid.displacement.size(), 0.0);
   b.grid.velocity.assign(b.grid.velocity.size(), 0.0);
-  places_of(b).open_all(b.points, s.records[b.row], b.grid, s.ends_of(b));
+  places_of(b).add_debonded_at_creation(b.points, s.records[b.row], b.grid, s.ends_of(b));
   const auto at = [&](double gap) {  // lifts all contact points of one grain along the line of centres
     BondEnd* ends = s.ends_of(b);
     double along[3], centre[3];
@@ -519,7 +519,7 @@ TEST(DebondedContact, HaveAddedMassNearTheirGrainsAlone) {
   const double h = b.grid.h;
   const auto inert = [&] {
     double area = 0.0;
-    for (const ContactPoint& contact : b.points.contacts) area += contact.inert_area;
+    for (const ContactPoint& contact : b.points.contacts) area += contact.added_mass_area;
     return area;
   };
   double all = 0.0;
@@ -561,7 +561,7 @@ TEST(DebondedContact, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
   EXPECT_EQ(std::accumulate(k.begin(), k.end(), 0.0), whole);
   std::vector<DebondedContact::Arrival> arrivals;
   std::vector<std::array<int, 2>> gone;
-  for (const DebondedContact::OrphanedContact& m : places_of(b).movers(b.points, s.records[0])) {
+  for (const DebondedContact::OrphanedContact& m : places_of(b).orphans(b.points, s.records[0])) {
     const DebondedContact::Found to = DebondedContact::nearest(b.points, m);
     ASSERT_FALSE(to.slots.empty());
     for (int near : to.slots) {
@@ -609,7 +609,7 @@ TEST(DebondedContact, KeepTheirForceWhereOthersCome) {
     const std::vector<double> before = forces();
     std::vector<DebondedContact::Arrival> arrivals;
     std::vector<std::array<int, 2>> gone;
-    for (const DebondedContact::OrphanedContact& m : places_of(b).movers(b.points, record)) {
+    for (const DebondedContact::OrphanedContact& m : places_of(b).orphans(b.points, record)) {
       const DebondedContact::Found to = DebondedContact::nearest(b.points, m);
       for (int slot : to.slots) {
         arrivals.push_back({m, slot, 1.0 / static_cast<double>(to.slots.size())});
@@ -658,7 +658,7 @@ TEST(DebondedContact, KeepTheAreaOfTheLinks) {
       if (n % 3 != 0) continue;
       std::vector<DebondedContact::Arrival> arrivals;
       std::vector<std::array<int, 2>> gone;
-      for (const DebondedContact::OrphanedContact& m : places_of(b).movers(b.points, record)) {
+      for (const DebondedContact::OrphanedContact& m : places_of(b).orphans(b.points, record)) {
         const DebondedContact::Found to = DebondedContact::nearest(b.points, m);
         for (int near : to.slots) arrivals.push_back({m, near, 1.0 / static_cast<double>(to.slots.size())});
         gone.push_back({m.tag, m.grain});
@@ -711,7 +711,7 @@ TEST(DebondedContact, GiveUpTheirEnergyWhenTheirPointFails) {
       }
       places_of(b).follow(b.points, b.grid, s.ends_of(b));
       EXPECT_NEAR(energy_before(0.0), left, 1e-9 * whole);
-      EXPECT_EQ(places_of(b).movers(b.points, s.records[b.row]).size(),
+      EXPECT_EQ(places_of(b).orphans(b.points, s.records[b.row]).size(),
                 static_cast<std::size_t>(std::count_if(b.points.contacts.begin(), b.points.contacts.end(), [&](const ContactPoint& f) {
                   return std::binary_search(failed.begin(), failed.end(), f.slot);
                 })));
@@ -759,7 +759,7 @@ TEST(DebondedContact, ActAndReactAlike) {
     for (Link& k : b.points.links) k.attached = false;
     b.links = s.links_anew(b);
     set_places(b, DebondedContact(b.points, s.records[b.row], p, b.grid));
-    places_of(b).open_all(b.points, s.records[b.row], b.grid, s.ends_of(b));
+    places_of(b).add_debonded_at_creation(b.points, s.records[b.row], b.grid, s.ends_of(b));
   }
   const auto follow = [&](double size) {
     s.place_grains(size, 0.0);
@@ -791,7 +791,7 @@ TEST(DebondedContact, ActAndReactAlike) {
     b.grid.clear_force();
     places_of(b).add_force(b.grid, s.ends_of(b));
   }
-  s.expect_balanced(s.forces(), 1e-13, "freed places");
+  s.expect_balanced(s.forces(), 1e-13, "contact points");
   // friction that sticks, and pressure, by differences
   Grid& grid = s.bonds[0].grid;
   test::Worst slope;

@@ -196,7 +196,7 @@ TEST(DriveAverage, WeightsThatStand) {
   for (auto& centre : record.centre) centre[2] += 2 * kCell;  // the middle is that of the lattice
   const Imperfection imperfection{&record, 0.1};
   DriveAverage kept;
-  kept.let_points_stand(true);
+  kept.set_points_fixed(true);
   for (const char* state : {"fresh", "the same", "some failed", "in other blocks", "nodes tied"}) {
     if (state == std::string("in other blocks")) {
       std::swap(c.points.blocks.front(), c.points.blocks.back());
@@ -247,10 +247,10 @@ TEST(DriveAverage, Imperfection) {
   EXPECT_GT(above, 100);
   EXPECT_GT(below, 100);
   EXPECT_GT(between, 100);
-  const std::vector<double> of_body = c.grid.drive_average;
+  const std::vector<double> of_other = c.grid.drive_average;
   const BondRecord other = swapped(record);
   average(c, one, {&other, share});
-  EXPECT_EQ(of_body, c.grid.drive_average) << "the order of the grains does not matter";
+  EXPECT_EQ(of_other, c.grid.drive_average) << "the order of the grains does not matter";
   // With `updated` a side is where points were made, not where they went.
   for (const PointBlock& b : c.points.blocks) {
     c.points.motion.emplace_back();
@@ -273,7 +273,7 @@ TEST(Imperfection, IsOnTheSideOfTheSmallerGrain) {
     for (const BondRecord& b : {record, swapped(record)}) {
       const double z = (larger == 0 ? 1 : -1) * 0.2 * kCell;
       const vd X[3] = {{}, {}, {z, -z}};
-      EXPECT_EQ(bits(on_stronger_side(b, X)) & 3, 1) << "larger grain " << larger;
+      EXPECT_EQ(bits(nearer_to_stronger_grain(b, X)) & 3, 1) << "larger grain " << larger;
     }
   }
 }
@@ -288,7 +288,7 @@ TEST(Imperfection, OfEqualGrainsIsOnTheSideOfLargerCoordinates) {
         for (int d = 0; d < 3; ++d) record.centre[side][d] = (side == first ? -1 : 1) * 51 * kCell * line.normalized()[d];
       vd X[3];
       for (int d = 0; d < 3; ++d) X[d] = vd{0.2, -0.2, 0.0} * kCell * line.normalized()[d];
-      EXPECT_EQ(bits(on_stronger_side(record, X)) & 7, 1) << line.transpose() << ", first grain " << first;
+      EXPECT_EQ(bits(nearer_to_stronger_grain(record, X)) & 7, 1) << line.transpose() << ", first grain " << first;
     }
 }
 

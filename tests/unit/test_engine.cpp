@@ -195,7 +195,7 @@ TEST(AddedMasses, OfStiffLinksKeepMomentum) {
   r.stiffer = 40.0;
   RowOfGrains host(MPI_COMM_WORLD, r);
   host.setup();
-  const std::vector<double> added = host.cement->report().added_mass_of_sides();
+  const std::vector<double> added = host.cement->report().added_mass_of_ends();
   ASSERT_EQ(added.size(), 4u);
   for (double m : added) EXPECT_GT(m, 0.0);
   EXPECT_NEAR(added[0] / added[3], 1.0, 1e-9);  // the row is its own mirror image

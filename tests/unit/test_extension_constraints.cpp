@@ -45,21 +45,21 @@ std::vector<ExtensionConstraint> ties_of(Cement& c) {
 
 // Checks the sums of the weights and of their first moments, and looks for masters that are constrained.
 void expect_sound(const std::vector<ExtensionConstraint>& ties) {
-  std::set<Key> slaves;
-  for (const ExtensionConstraint& t : ties) slaves.insert(t.slave);
+  std::set<Key> constrained_nodes;
+  for (const ExtensionConstraint& t : ties) constrained_nodes.insert(t.constrained);
   test::Worst error;
   for (const ExtensionConstraint& t : ties) {
     double sum[4] = {-1.0, 0, 0, 0};
     for (const auto& m : t.masters) {
-      EXPECT_FALSE(slaves.count(m.first));
-      EXPECT_EQ(m.first.field(), t.slave.field());
+      EXPECT_FALSE(constrained_nodes.count(m.first));
+      EXPECT_EQ(m.first.field(), t.constrained.field());
       sum[0] += m.second;
-      for (int d = 0; d < 3; ++d) sum[1 + d] += m.second * (m.first.at(d) - t.slave.at(d));
+      for (int d = 0; d < 3; ++d) sum[1 + d] += m.second * (m.first.at(d) - t.constrained.at(d));
     }
     for (double s : sum) error.add(std::fabs(s));
     double shares = -1.0;
     for (const auto& h : t.mass_receivers) {
-      EXPECT_FALSE(slaves.count(h.first));
+      EXPECT_FALSE(constrained_nodes.count(h.first));
       EXPECT_GT(h.second, 0.0);
       shares += h.second;
     }
@@ -86,14 +86,14 @@ TEST(ExtensionConstraints, FaceIsTiedAcross) {
   Cement c(kH, lattice(8, Vector::Zero(), 4, inside), 1.0);
   const std::vector<ExtensionConstraint> ties = ties_of(c);
   expect_sound(ties);
-  std::set<Key> slaves, wanted;
-  for (const ExtensionConstraint& t : ties) slaves.insert(t.slave);
+  std::set<Key> constrained_nodes, wanted;
+  for (const ExtensionConstraint& t : ties) constrained_nodes.insert(t.constrained);
   for (const Key& k : c.grid.keys)
     if (k.at(2) == -1) wanted.insert(k);
-  EXPECT_EQ(slaves, wanted);
+  EXPECT_EQ(constrained_nodes, wanted);
   for (const ExtensionConstraint& t : ties) {
-    const std::vector<std::pair<Key, double>> masters{{{0, t.slave.at(0), t.slave.at(1), 0}, 2.0},
-                                                      {{0, t.slave.at(0), t.slave.at(1), 1}, -1.0}};
+    const std::vector<std::pair<Key, double>> masters{{{0, t.constrained.at(0), t.constrained.at(1), 0}, 2.0},
+                                                      {{0, t.constrained.at(0), t.constrained.at(1), 1}, -1.0}};
     EXPECT_EQ(t.masters, masters);
     ASSERT_EQ(t.mass_receivers.size(), 1u);
     EXPECT_EQ(t.mass_receivers[0].first, masters[0].first);
@@ -108,10 +108,10 @@ TEST(ExtensionConstraints, FilmIsTiedOnBothSides) {
   expect_sound(ties);
   ASSERT_FALSE(ties.empty());
   for (const ExtensionConstraint& t : ties) {
-    const bool below = t.slave.at(2) == -1;
-    EXPECT_TRUE(below || t.slave.at(2) == 2);
-    const std::vector<std::pair<Key, double>> masters{{{0, t.slave.at(0), t.slave.at(1), 0}, below ? 2.0 : -1.0},
-                                                      {{0, t.slave.at(0), t.slave.at(1), 1}, below ? -1.0 : 2.0}};
+    const bool below = t.constrained.at(2) == -1;
+    EXPECT_TRUE(below || t.constrained.at(2) == 2);
+    const std::vector<std::pair<Key, double>> masters{{{0, t.constrained.at(0), t.constrained.at(1), 0}, below ? 2.0 : -1.0},
+                                                      {{0, t.constrained.at(0), t.constrained.at(1), 1}, below ? -1.0 : 2.0}};
     EXPECT_EQ(t.masters, masters);
   }
 }
@@ -122,16 +122,16 @@ TEST(ExtensionConstraints, LayerIsTiedOnItsLighterSide) {
   Cement c(kH, lattice(2, Vector(0, 0, -0.15), 4, inside), 1.0);
   const std::vector<ExtensionConstraint> ties = ties_of(c);
   expect_sound(ties);
-  std::set<Key> slaves, wanted;
+  std::set<Key> constrained_nodes, wanted;
   for (const ExtensionConstraint& t : ties) {
-    slaves.insert(t.slave);
-    const std::vector<std::pair<Key, double>> masters{{{0, t.slave.at(0), t.slave.at(1), 0}, 2.0},
-                                                      {{0, t.slave.at(0), t.slave.at(1), 1}, -1.0}};
+    constrained_nodes.insert(t.constrained);
+    const std::vector<std::pair<Key, double>> masters{{{0, t.constrained.at(0), t.constrained.at(1), 0}, 2.0},
+                                                      {{0, t.constrained.at(0), t.constrained.at(1), 1}, -1.0}};
     EXPECT_EQ(t.masters, masters);
   }
   for (const Key& k : c.grid.keys)
     if (k.at(2) == -1) wanted.insert(k);
-  EXPECT_EQ(slaves, wanted);
+  EXPECT_EQ(constrained_nodes, wanted);
 }
 
 // Bound to one grid and to another with more nodes: constraints are taken over from layout to layout by their keys.
@@ -151,7 +151,7 @@ TEST(ExtensionConstraints, KeysComeBack) {
   const std::vector<ExtensionConstraint> second = bound.by_key(more);
   ASSERT_EQ(second.size(), ties.size());
   for (std::size_t t = 0; t < ties.size(); ++t) {
-    EXPECT_EQ(second[t].slave, ties[t].slave);
+    EXPECT_EQ(second[t].constrained, ties[t].constrained);
     EXPECT_EQ(second[t].masters, ties[t].masters);
     EXPECT_EQ(second[t].mass_receivers, ties[t].mass_receivers);
   }
@@ -177,8 +177,8 @@ TEST(ExtensionConstraints, ExchangeIsBinding) {
     bool freed = false;
     auto was = now.begin();
     for (std::size_t i = 0, t = 0; i < keys.size(); ++i) {
-      while (t < all.size() && all[t].slave < keys[i]) ++t;
-      const bool had = was != now.end() && was->slave == keys[i], may = t < all.size() && all[t].slave == keys[i];
+      while (t < all.size() && all[t].constrained < keys[i]) ++t;
+      const bool had = was != now.end() && was->constrained == keys[i], may = t < all.size() && all[t].constrained == keys[i];
       if (some(round % 2 ? 0.9 : 0.02)) {
         nodes.push_back(static_cast<int>(i));
         const bool has = may && some(0.8);
@@ -202,7 +202,7 @@ TEST(ExtensionConstraints, ExchangeIsBinding) {
     const std::vector<ExtensionConstraint> found = ties.by_key(keys);
     ASSERT_EQ(found.size(), now.size()) << round;
     for (std::size_t t = 0; t < now.size(); ++t) {
-      EXPECT_EQ(found[t].slave, now[t].slave);
+      EXPECT_EQ(found[t].constrained, now[t].constrained);
       EXPECT_EQ(found[t].masters, now[t].masters);
       EXPECT_EQ(found[t].mass_receivers, now[t].mass_receivers);
     }
@@ -215,11 +215,11 @@ TEST(ExtensionConstraints, ChainIsMasters) {
   const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
   Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
   const std::vector<ExtensionConstraint> ties = ties_of(c);
-  std::set<Key> slaves;
-  for (const ExtensionConstraint& t : ties) slaves.insert(t.slave);
+  std::set<Key> constrained_nodes;
+  for (const ExtensionConstraint& t : ties) constrained_nodes.insert(t.constrained);
   int chained = 0;
   for (const ExtensionConstraint& t : ties)
-    for (const auto& b : t.behind) chained += static_cast<int>(slaves.count(b.first));
+    for (const auto& b : t.behind) chained += static_cast<int>(constrained_nodes.count(b.first));
   EXPECT_GT(chained, 50);
   ExtensionConstraints by_masters, by_chain;
   by_masters.bind(ties, c.grid.keys, false);
@@ -248,8 +248,8 @@ TEST(ExtensionConstraints, BallIsSoundAndSymmetric) {
     EXPECT_GT(ties.size(), 50u);
     std::map<Key, std::map<Key, double>> all;  // masters, and mass receivers with field 1
     for (const ExtensionConstraint& t : ties) {
-      all[t.slave] = {t.masters.begin(), t.masters.end()};
-      for (const auto& h : t.mass_receivers) all[t.slave][h.first.with_field(1)] = h.second;
+      all[t.constrained] = {t.masters.begin(), t.masters.end()};
+      for (const auto& h : t.mass_receivers) all[t.constrained][h.first.with_field(1)] = h.second;
     }
     // mirrored in x = y and in z = 0
     for (const auto& t : all)
@@ -309,9 +309,9 @@ TEST(ExtensionConstraints, BoundOfTheEigenvalueHolds) {
       Cement c(kH, lattice(2, Vector(s, 0.5 * s, -s), 4, inside), kH * kH * kH / 8, Eigen::Quaterniond::Identity(), basis);
       c.grid.tie(ties_of(c), true);
       c.grid.lump_mass(c.points, 2700.0);
-      const double bound = eigenvalue_bound(basis, law.elasticity().largest_stiffness(), 2700.0, kH) * c.grid.largest_tie_factor();
+      const double bound = eigenvalue_bound(basis, law.elasticity().largest_stiffness(), 2700.0, kH) * c.grid.largest_constraint_factor();
       const EigenvalueEstimate e = largest_eigenvalue(MPI_COMM_SELF, c.points, c.grid, law);
-      EXPECT_GT(c.grid.largest_tie_factor(), 1.0);
+      EXPECT_GT(c.grid.largest_constraint_factor(), 1.0);
       EXPECT_LE(e.value, bound);
       EXPECT_GT(e.value, 0.02 * bound);
     }
@@ -330,7 +330,7 @@ TEST(ExtensionConstraints, SameOnAnyNumberOfRanks) {
   whole.grid.lump_mass(whole.points, 1.0);
   std::map<Key, ExtensionConstraint> wanted;
   for (const ExtensionConstraint& t : find_extension_constraints(MPI_COMM_SELF, Basis::quadratic, edges_of(whole.grid)))
-    wanted[t.slave] = t;
+    wanted[t.constrained] = t;
 
   test::Random same(119);
   for (int i : all) {
@@ -344,10 +344,10 @@ TEST(ExtensionConstraints, SameOnAnyNumberOfRanks) {
   halo.sum(part.grid.mass.own().data(), 1);
   std::set<Key> found;
   for (const ExtensionConstraint& t : find_extension_constraints(MPI_COMM_WORLD, Basis::quadratic, edges_of(part.grid))) {
-    found.insert(t.slave);
-    ASSERT_TRUE(wanted.count(t.slave));
-    EXPECT_EQ(wanted[t.slave].mass_receivers, t.mass_receivers);
-    EXPECT_EQ(wanted[t.slave].masters, t.masters);
+    found.insert(t.constrained);
+    ASSERT_TRUE(wanted.count(t.constrained));
+    EXPECT_EQ(wanted[t.constrained].mass_receivers, t.mass_receivers);
+    EXPECT_EQ(wanted[t.constrained].masters, t.masters);
   }
   for (const Key& k : part.grid.keys) EXPECT_EQ(found.count(k), wanted.count(k));
 }

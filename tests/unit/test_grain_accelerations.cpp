@@ -31,7 +31,7 @@ class Accelerations : public ::testing::TestWithParam<std::tuple<bool, Basis, do
 
     std::vector<GrainAccelerations::OfBond> of_bonds() const {
       std::vector<GrainAccelerations::OfBond> all;
-      for (const Bond& b : bonds) all.push_back({&b.added, &b.grid, b.first_end});
+      for (const Bond& b : bonds) all.push_back({&b.added, &b.grid, b.first_end_index});
       return all;
     }
   };
@@ -211,7 +211,7 @@ Eigen::MatrixXd mass_matrix(const Scene& s, const std::vector<Grain>& grains, co
     for (const AddedMass::Share& a : b.added.shares())
       for (int side = 0; side < 2; ++side) {
         const Vector r = s.node(b.grid, a.node) - Vector(s.ends_of(b)[side].x);
-        const int part[2] = {u.at[b.row][a.node], u.first + 6 * u.grain_of[b.first_end + side]};
+        const int part[2] = {u.at[b.row][a.node], u.first + 6 * u.grain_of[b.first_end_index + side]};
         Eigen::Matrix<double, 3, 9> relative;
         relative.leftCols<3>().setIdentity();
         relative.middleCols<3>(3) = -Eigen::Matrix3d::Identity();

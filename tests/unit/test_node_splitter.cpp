@@ -49,13 +49,13 @@ class Pieces {
     take(lattice_.fail(tags, copies), before);
   }
 
-  void come_apart(const std::vector<NodeSplitter::OfPiece>& pieces) {
+  void split_pieces(const std::vector<NodeSplitter::OfPiece>& pieces) {
     const PhantomNodes before(copies);
-    take(lattice_.come_apart(pieces, copies), before);
+    take(lattice_.split_pieces(pieces, copies), before);
   }
 
-  template <class Goes>
-  void leave(Goes goes) {
+  template <class Assignment>
+  void leave(Assignment goes) {
     points_.erase(std::remove_if(points_.begin(), points_.end(), goes), points_.end());
     lattice_ = NodeSplitter(points_, Basis::quadratic);
     lattice_.leave(copies);
@@ -175,7 +175,7 @@ TEST(PhantomNodes, PointsThatAreNotThere) {
   lattice.start(copies);
   EXPECT_THROW(lattice.fail({9}, copies), std::logic_error);
   EXPECT_THROW(lattice.fail({0}, copies), std::logic_error);
-  EXPECT_THROW(lattice.come_apart({{1, 0}, {2, 1}}, copies), std::logic_error);
+  EXPECT_THROW(lattice.split_pieces({{1, 0}, {2, 1}}, copies), std::logic_error);
 }
 
 // Points on faces of cells have no weight at the nodes where the support ends, and a node may have no others.
@@ -321,7 +321,7 @@ TEST(PhantomNodes, PiecesShareNoNode) {
   Pieces p(points);
   std::vector<NodeSplitter::OfPiece> pieces;
   for (const SplitterPoint& q : points) pieces.push_back({q.tag, q.cell[0] < 4 ? 0 : 1});
-  p.come_apart(pieces);
+  p.split_pieces(pieces);
   const std::map<int, int> layers = p.layers();
   for (const SplitterPoint& a : points)
     for (const SplitterPoint& b : points)

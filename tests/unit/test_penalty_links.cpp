@@ -177,7 +177,7 @@ TEST_P(Links, FollowPointsThatChangeCells) {
       }
       double released = 0.0;
       if (n / 2 % 3 == 1) bond.links.debond(bond.points, {s->slots[row][7 * n % points]}, bond.grid, s->ends_of(bond), 0.0, released);
-      if (n / 2 % 3 == 2) bond.links.drop_inertia(bond.points);
+      if (n / 2 % 3 == 2) bond.links.drop_added_mass(bond.points);
       bond.links.find_moves(bond.grid, 1e-3);
       const int a = s->slots[row][from], b = s->slots[row][to];
       if (bond.points.meta[a / kLanes].layer == bond.points.meta[b / kLanes].layer && n / 2 % 4 != 0)
@@ -232,7 +232,7 @@ TEST_P(Links, LetGo) {
     EXPECT_EQ(released, once);
     for (const Link& k : b.points.links) {
       EXPECT_EQ(k.attached == 0, std::binary_search(failed.begin(), failed.end(), k.slot));
-      EXPECT_EQ(k.inert, !k.attached);
+      EXPECT_EQ(k.has_added_mass, !k.attached);
     }
     test::expect_within(std::fabs((before - s.energy()) / released - 1.0), 1e-13, "spring energy released");
     s.add_force();
@@ -244,8 +244,8 @@ TEST_P(Links, LetGo) {
     };
     EXPECT_EQ(inertial_of(b.links), inertial);
     test::expect_within(std::fabs(inertial_of(s.links_anew(b)) / inertial - 1.0), 1e-13, "energy of added mass in a new layout");
-    b.links.drop_inertia(b.points);
-    for (const Link& k : b.points.links) EXPECT_FALSE(k.inert);
+    b.links.drop_added_mass(b.points);
+    for (const Link& k : b.points.links) EXPECT_FALSE(k.has_added_mass);
     EXPECT_LT(inertial_of(b.links), inertial);
     test::expect_within(std::fabs(inertial_of(s.links_anew(b)) / inertial_of(b.links) - 1.0), 1e-13, "energy of what is left");
 
@@ -290,7 +290,7 @@ TEST_P(Links, LetGoInEachLane) {
           EXPECT_FALSE(k.attached);
         }
       EXPECT_GT(released, gone);
-      test::expect_within(std::fabs(before - s.energy() - (released - gone)) / whole, 1e-14, "energy of the links that let go");
+      test::expect_within(std::fabs(before - s.energy() - (released - gone)) / whole, 1e-14, "energy of the links that debonded");
     }
   }
   ASSERT_GT(all, 2u * 60 * 3 / 4);

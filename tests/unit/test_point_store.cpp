@@ -306,7 +306,7 @@ TEST(PointStore, PartsInPlace) {
     Filled f(93, 400);
     std::map<int, std::size_t> of_tag;
     for (std::size_t i = 0; i < f.tags.size(); ++i) of_tag[f.tags[i]] = i;
-    if (moving) f.store.let_move();
+    if (moving) f.store.start_motion();
     f.store.arrange(kCell, Basis::quadratic, {}, true);
     // any number that tells points apart
     f.store.softening.resize(f.store.blocks.size());

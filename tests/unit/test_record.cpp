@@ -159,7 +159,7 @@ std::vector<double> bad_values(const Described& of) {
 
 template <class R>
 class Records : public testing::Test {};
-using AllRecords = testing::Types<BondRecord, Link, ContactPoint, PointRecord, GrainState, CementHead, BondRow, NodeRow, CopyRow,
+using AllRecords = testing::Types<BondRecord, Link, ContactPoint, PointRecord, GrainState, CementHead, BondRow, NodeRow, PhantomNodeRow,
                                   TemplateHead, TemplatePoint>;
 TYPED_TEST_SUITE(Records, AllRecords);
 
@@ -258,7 +258,7 @@ TEST(Record, LayoutsAreThoseOfTheVersion) {
   EXPECT_EQ(layout_of<CementHead>(), "3208caf07976c4a3") << cure;
   EXPECT_EQ(layout_of<BondRow>(), "c0e7435fd76e3e0c") << cure;
   EXPECT_EQ(layout_of<NodeRow>(), "3cef008f8e2f9e59") << cure;
-  EXPECT_EQ(layout_of<CopyRow>(), "e328c9b9d3e7bd4f") << cure;
+  EXPECT_EQ(layout_of<PhantomNodeRow>(), "e328c9b9d3e7bd4f") << cure;
   EXPECT_EQ(layout_of<TemplateHead>(), "739cf29c91eeac96") << cure;
   EXPECT_EQ(layout_of<TemplatePoint>(), "a1e16bc8bd8c8e53") << cure;
 }

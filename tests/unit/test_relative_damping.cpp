@@ -24,7 +24,7 @@ struct Damped : Scene {
       for (BlockMeta& m : b.points.meta)
         for (int g = 0; g < 2; ++g) m.connected[g] = apart[b.row] && m.layer != g ? 0 : 0xff;
       b.mechanisms.push_back(std::make_unique<RelativeDamping>(records[b.row], kShare, kSpeed));
-      relaxation(b).follow_grains(b.grid, records[b.row], apart[b.row] ? nodes_held(b.points, b.grid) : std::vector<char>());
+      relaxation(b).follow_grains(b.grid, records[b.row], apart[b.row] ? connected_grains_of_nodes(b.points, b.grid) : std::vector<char>());
     }
   }
   static RelativeDamping& relaxation(const Bond& b) { return *b.mechanism<RelativeDamping>(); }

@@ -18,10 +18,10 @@ TEST(ShapeStyles, NamesAndWordsAreThereOnce) {
     EXPECT_EQ(shape_style(s.name), &s);
     std::set<std::string> words = {"content", "shape", "file", "attach", "inner", "spacing", "density", "type", "grid", "overlap"};
     int sizes = 0;
-    for (const ShapeWord& w : s.words) {
+    for (const ShapeOption& w : s.words) {
       EXPECT_TRUE(words.insert(w.name).second) << s.name << " " << w.name;
       EXPECT_EQ(s.word(w.name), &w);
-      sizes += w.role == ShapeWord::size;
+      sizes += w.role == ShapeOption::size;
     }
     EXPECT_GT(sizes, 0) << s.name;
     EXPECT_EQ(s.word("content"), nullptr);
@@ -49,8 +49,8 @@ TEST(ShapeStyles, OneSizeIsNeeded) {
     const auto error = [&](const std::map<std::string, double>& given) {
       return test::shape_error([&] { make_shape({&s, given}, kBeads, 1e-8, 0.0); });
     };
-    for (const ShapeWord& w : s.words) {
-      if (w.role == ShapeWord::detail) {
+    for (const ShapeOption& w : s.words) {
+      if (w.role == ShapeOption::detail) {
         EXPECT_NE(error({{w.name, 1.0}}).find("needs one of"), std::string::npos) << s.name;
         continue;
       }

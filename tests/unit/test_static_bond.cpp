@@ -70,12 +70,12 @@ TEST(StaticBond, LeavesSidesAsTheyAre) {
   host.bonds.resolved_changed();
   host.cement->grains().bind(MPI_COMM_WORLD, host.bonds, host.cement->inertia());
   const Bond* b = host.bonds.find(1);
-  const int side = b ? b->first_end : 0;
+  const int side = b ? b->first_end_index : 0;
   const std::size_t sides = host.cement->grains().ends.ends.size();
   EXPECT_TRUE(!b || sides > 0);
   const std::vector<StiffnessOfBond> s = host.cement->stiffness_of_bonds();
   EXPECT_NEAR(s[0].K[14] / s[1].K[14], 1.0, 1e-9);
-  EXPECT_EQ(b ? b->first_end : 0, side);
+  EXPECT_EQ(b ? b->first_end_index : 0, side);
   EXPECT_EQ(host.cement->grains().ends.ends.size(), sides);
 }
 

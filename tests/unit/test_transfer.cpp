@@ -49,7 +49,7 @@ struct Block {
 
 template <class Type>
 class Transfers : public ::testing::Test {};
-using Types = ::testing::Types<LinearTent, QuadraticBspline, CubicBspline>;
+using Types = ::testing::Types<LinearHat, QuadraticBspline, CubicBspline>;
 TYPED_TEST_SUITE(Transfers, Types);
 
 TEST(Weights, CellOfAPoint) {

@@ -21,15 +21,15 @@ std::vector<SubdomainIndex> row_of_bricks(int ranks) {
 MovableBond bond(int row, int rank, double work, int low, int high) { return {row, rank, work, {0, 0, low}, {0, 0, high}}; }
 
 TEST(WorkShares, BesideTouchesAllBricks) {
-  EXPECT_TRUE(is_beside({1, 1, 1}, {0, 1, 2}, {1, 1, 2}));
-  EXPECT_FALSE(is_beside({1, 1, 1}, {0, 1, 1}, {3, 1, 1}));
-  EXPECT_FALSE(is_beside({0, 0, 0}, {0, 0, 2}, {0, 0, 2}));
-  EXPECT_FALSE(is_beside({0, 3, 0}, {0, 1, 0}, {0, 1, 0}));
+  EXPECT_TRUE(is_adjacent({1, 1, 1}, {0, 1, 2}, {1, 1, 2}));
+  EXPECT_FALSE(is_adjacent({1, 1, 1}, {0, 1, 1}, {3, 1, 1}));
+  EXPECT_FALSE(is_adjacent({0, 0, 0}, {0, 0, 2}, {0, 0, 2}));
+  EXPECT_FALSE(is_adjacent({0, 3, 0}, {0, 1, 0}, {0, 1, 0}));
 }
 
 TEST(WorkShares, EvenWorkStays) {
-  EXPECT_DOUBLE_EQ(unevenness({3.0, 5.0}), 1.25);
-  EXPECT_DOUBLE_EQ(unevenness({0.0, 0.0}), 1.0);
+  EXPECT_DOUBLE_EQ(load_imbalance({3.0, 5.0}), 1.25);
+  EXPECT_DOUBLE_EQ(load_imbalance({0.0, 0.0}), 1.0);
   EXPECT_TRUE(rebalance(row_of_bricks(2), {bond(0, 1, 5.0, 1, 1)}, {100.0, 105.0}).empty());
 }
 
@@ -72,7 +72,7 @@ TEST(WorkShares, RandomWork) {
       after[m.rank] += bonds[m.row].work;
     }
     EXPECT_NEAR(std::accumulate(after.begin(), after.end(), 0.0), std::accumulate(work.begin(), work.end(), 0.0), 1e-9);
-    EXPECT_LT(unevenness(after), 1.1);
+    EXPECT_LT(load_imbalance(after), 1.1);
   }
 }
 

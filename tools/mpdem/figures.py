@@ -77,7 +77,7 @@ def force_displacement(path, bond, result, stages):
     ax.axhline(0.0, color="0.75", lw=0.6, zorder=0)
     ax.set_xlabel(f"{bond.way_name} ({bond.way_unit})" + (", below zero: closing" if bond.lift is bond.opening and um.min() < 0.0 else ""))
     ax.set_ylabel(f"{bond.load_name} ({bond.load_unit})" + (", below zero: compression" if bond.load == "tension" and deep < -0.1 * high else ""))
-    counts.set_ylabel("number of failed points, of links let go", color="0.45")
+    counts.set_ylabel("number of failed points, of links debonded", color="0.45")
     if stages:
         drawn = [h for h in handles if h.get_linestyle() != "None"]
         label_stages(ax, [s[0] for s in stages], at, drawn + star)

@@ -23,7 +23,7 @@ void AddedMass::find(const PenaltyLinks& links, Grid& grid, const BondEnd* ends,
   for (int i = 0; i < grid.size(); ++i) {
     const double* k = &penalty[2 * i];
     if (k[0] + k[1] == 0.0) continue;
-    const double share = std::min(1.0, s.dt * s.dt * s.lambda * (s.lambda_is_bound ? grid.tie_factor(i) : 1.0) / s.bound);
+    const double share = std::min(1.0, s.dt * s.dt * s.lambda * (s.lambda_is_bound ? grid.constraint_factor(i) : 1.0) / s.bound);
     mass[i] = std::max(0.0, kMargin * s.dt * s.dt / s.bound * (k[0] + k[1]) - grid.mass[i] * (1.0 - share));
     if (mass[i] == 0.0) continue;
     const double unit = mass[i] / (k[0] + k[1]);
@@ -135,7 +135,7 @@ void AddedMass::accelerate(Grid& grid, BondEnd* ends) const {
   if (empty()) return grid.update_acceleration();
   carry(grid, ends);
   for (const std::array<int, 2>& row : without_) grid.accelerate(row[0], row[1]);
-  grid.take_accelerations();
+  grid.finish_accelerations();
 }
 
 AddedMass::Followed AddedMass::follow_jumps(Grid& grid, BondEnd* ends, double rate, double grain_rate,

@@ -36,7 +36,7 @@ class AddedMass {
   struct Stability {
     double dt = 0;
     double lambda = 0;             // largest eigenvalue of the cement
-    bool lambda_is_bound = false;  // lambda is a bound for a grid without constrained nodes, see Grid::tie_factor()
+    bool lambda_is_bound = false;  // lambda is a bound for a grid without constrained nodes, see Grid::constraint_factor()
     double bound = 4;              // largest stable dt^2 lambda
   };
   // Collective among the ranks that share the nodes. Finds the least mass c that keeps the central difference stable

@@ -40,7 +40,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
     vd d;
   };
 
-  static std::vector<LawWord> words() {
+  static std::vector<LawOption> words() {
     const std::string positive = "must be greater than 0";
     return {{"tn", is_positive, positive, "the strength under opening, a pressure", {}},
             {"tt", is_positive, positive, "the strength under shear, a pressure", {}},

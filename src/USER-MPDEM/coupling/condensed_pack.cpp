@@ -363,7 +363,7 @@ bool CondensedPack::at_rest() const {
   return std::all_of(acceleration_.begin(), acceleration_.end(), [](double a) { return a == 0.0; });
 }
 
-void CondensedPack::take_coupling(double* of_owned) {
+void CondensedPack::subtract_coupling(double* of_owned) {
   if (!any_) return;
   rate_.assign(6 * tags_.size(), 0.0);
   apply(acceleration_, rate_);

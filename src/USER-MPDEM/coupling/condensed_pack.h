@@ -68,7 +68,7 @@ class CondensedPack {
   double mass(int grain, int k) const { return of_owned(mass_, kSym6, grain, k); }
   double coupling() const { return coupling_; }
   // Subtracts sum M_st a_t from the six numbers of each owned grain.
-  void take_coupling(double* of_owned);
+  void subtract_coupling(double* of_owned);
   bool at_rest() const;  // true if no grain here has an acceleration
 
   // Calls f(member, tension) with the mean force of each bond along the line of centres, once all loads are known.

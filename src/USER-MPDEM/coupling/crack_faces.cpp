@@ -90,7 +90,7 @@ void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
 
 void CrackFaces::add_force(const PointStore& points, Grid& grid, const SharedList<double>& added, double kick, double dt) {
   touching_ = 0;
-  deepest_ = 0.0;
+  largest_penetration_ = 0.0;
   if (pairs_.empty()) return;
   find_normals(points, grid);
   for (Pair& p : pairs_) {
@@ -98,14 +98,14 @@ void CrackFaces::add_force(const PointStore& points, Grid& grid, const SharedLis
     for (int s = 0; s < 2; ++s) mass[s] = grid.mass[p.node[s]] + (added.empty() ? 0.0 : added[p.node[s]]);
     std::fill(p.force, p.force + 3, 0.0);
     p.too_far = 0.0;
-    if (mass[0] > 0.0 && mass[1] > 0.0) meet(p, grid, mass, kick, dt);
+    if (mass[0] > 0.0 && mass[1] > 0.0) add_pair_force(p, grid, mass, kick, dt);
   }
 }
 
-constexpr double kLeastFace = 1e-5;        // G over the face of a cell, for a copy to have contact
-constexpr double kLeastThatSlides = 0.05;  // the same, for its jump to count as slip
+constexpr double kLeastFace = 1e-5;         // G over the face of a cell, for a copy to have contact
+constexpr double kLeastFaceForSlip = 0.05;  // the same, for its jump to count as slip
 
-void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, double dt) {
+void CrackFaces::add_pair_force(Pair& p, Grid& grid, const double* mass, double kick, double dt) {
   const long a = 3L * p.node[0], b = 3L * p.node[1];
   const double volume[2] = {volume_[p.node[0]], volume_[p.node[1]]};
   if (!(volume[0] > 0.0 && volume[1] > 0.0)) return;
@@ -131,11 +131,11 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
   if (far > grid.h) {
     // A copy with little intact material has even less mass. A tiny force moves it far, so its jump says nothing about
     // the slip.
-    if (smaller > kLeastThatSlides) p.too_far = far;
+    if (smaller > kLeastFaceForSlip) p.too_far = far;
     return;
   }
   ++touching_;
-  deepest_ = std::max(deepest_, -wn);
+  largest_penetration_ = std::max(largest_penetration_, -wn);
   const double together = 1.0 / (kick * (1.0 / mass[0] + 1.0 / mass[1]));
   // An overlap, where the normal rotated, is undone no faster than the faces close; otherwise it would supply energy.
   const double after = std::min(-wn / dt, -vn);
@@ -150,7 +150,7 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
 
 double CrackFaces::slid_too_far(const PointStore& points, Grid& grid) const {
   if (pairs_.empty()) return 0.0;
-  const std::vector<char> held = nodes_held(points, grid);
+  const std::vector<char> held = connected_grains_of_nodes(points, grid);
   double most = 0.0;
   for (const Pair& p : pairs_)
     if (held[p.node[0]] != 0 && held[p.node[1]] != 0) most = std::max(most, p.too_far);

@@ -45,7 +45,7 @@ class CrackFaces : public BondMechanism {
   // of a copy.
   CrackFaces(const PointStore& points, const Grid& grid, const KeyOf& at_start, double friction);
 
-  void add_contact(const BondAtWork& b) override { add_force(b.points, b.grid, b.added_mass, b.kick, b.dt); }
+  void add_contact(const BondContext& b) override { add_force(b.points, b.grid, b.added_mass, b.kick, b.dt); }
   void add_friction_power(const Grid& grid, Power& sum) const override { sum.add(power(grid)); }
   std::string trouble(const PointStore& points, Grid& grid, long step) const override;
 
@@ -59,7 +59,7 @@ class CrackFaces : public BondMechanism {
   // Collective as add_force(). Largest slip above a cell of pairs that would touch in the last step, and whose material
   // is connected to a grain; 0: none.
   double slid_too_far(const PointStore& points, Grid& grid) const;
-  double deepest() const { return deepest_; }  // deepest overlap of a pair in the last step
+  double largest_penetration() const { return largest_penetration_; }  // deepest overlap of a pair in the last step
   int pairs() const { return static_cast<int>(pairs_.size()); }
   int touching() const { return touching_; }
   std::size_t memory_usage() const override {
@@ -76,9 +76,9 @@ class CrackFaces : public BondMechanism {
   // tie: row of each node in the constraints, -1 if it is free
   void find_pairs(const Grid& grid, const KeyOf& at_start, const std::vector<int>& tie);
   void find_normals(const PointStore& points, Grid& grid);
-  void meet(Pair& p, Grid& grid, const double* mass, double kick, double dt);
+  void add_pair_force(Pair& p, Grid& grid, const double* mass, double kick, double dt);
 
-  double friction_ = 0, deepest_ = 0;
+  double friction_ = 0, largest_penetration_ = 0;
   int touching_ = 0;
   std::vector<Pair> pairs_;                // sorted by grid index
   std::vector<int> blocks_;                // blocks that have nodes of pairs

@@ -74,11 +74,11 @@ void DebondedContact::lay_out(const PointStore& points, const BondRecord& record
         base[d] = support_base(points.blocks[block].X[d][p.slot % kLanes], inverse_h_, cell_shift(grid.basis));
         b.base[d][lane] = base[d];
         b.X[d][lane] = p.X[d];
-        b.stick[d][lane] = p.stick[d];
+        b.stick_point[d][lane] = p.stick_point[d];
       }
       b.area[lane] = p.area;
-      b.inert_area[lane] = p.inert_area;
-      b.slides[lane] = p.slides;
+      b.added_mass_area[lane] = p.added_mass_area;
+      b.friction_traction[lane] = p.friction_traction;
       b.radius[lane] = p.radius;
       b.contact[lane] = *i;
       b.taken |= static_cast<std::uint8_t>(1u << lane);
@@ -86,7 +86,7 @@ void DebondedContact::lay_out(const PointStore& points, const BondRecord& record
       if (p.closed) b.closed |= static_cast<std::uint8_t>(1u << lane);
       if (!grid.find_columns(field_of(points.meta[block].row, points.meta[block].layer), base,
                              &columns_[columns_.size() - (kLanes - lane) * columns_of_cell_]))
-        throw std::logic_error("a place that let go is outside of the grid of its bond");
+        throw std::logic_error("a contact point is outside of the grid of its bond");
     }
     for (; lane < kLanes; ++lane)  // empty lanes have the position of the first lane
       for (int d = 0; d < 3; ++d) {
@@ -112,7 +112,8 @@ void DebondedContact::touch(const Block& b, const Grid& grid, const BondEnd& s, 
 // Not inlined, so that it rounds alike wherever it is called: a run from a restart file finds the same forces.
 __attribute__((noinline)) void DebondedContact::find_stretch(const Block& b, const BondEnd& s, Touch& t) {
   vd d[3];
-  for (int i = 0; i < 3; ++i) d[i] = t.q[i] - (s.R.a[i][0] * b.stick[0] + s.R.a[i][1] * b.stick[1] + s.R.a[i][2] * b.stick[2]);
+  for (int i = 0; i < 3; ++i)
+    d[i] = t.q[i] - (s.R.a[i][0] * b.stick_point[0] + s.R.a[i][1] * b.stick_point[1] + s.R.a[i][2] * b.stick_point[2]);
   const vd along = dot(d, t.n);
   for (int i = 0; i < 3; ++i) t.e[i] = masked(b.closed, d[i] - along * t.n[i]);
 }
@@ -136,21 +137,21 @@ double DebondedContact::follow(Block& b, PointStore& points, const BondEnd& s, T
   for (int i = 0; i < 3; ++i) {
     const vd at = s.R.a[0][i] * t.q[0] + s.R.a[1][i] * t.q[1] + s.R.a[2][i] * t.q[2];
     const vd slip = share * (s.R.a[0][i] * t.e[0] + s.R.a[1][i] * t.e[1] + s.R.a[2][i] * t.e[2]);
-    b.stick[i] = select(starts, at, b.stick[i] + slip);
+    b.stick_point[i] = select(starts, at, b.stick_point[i] + slip);
   }
   // The slip happened between the last step and this one.
   const vd slides = select(size > (1.0 - 1e-9) * bears, bears, size);
   const double frictional =
-      sum_lanes(masked(static_cast<std::uint8_t>(b.closed | was), 0.5 * b.area * (b.slides + slides) * share * size / k.kt));
-  b.slides = masked(b.closed, slides);
+      sum_lanes(masked(static_cast<std::uint8_t>(b.closed | was), 0.5 * b.area * (b.friction_traction + slides) * share * size / k.kt));
+  b.friction_traction = masked(b.closed, slides);
   find_stretch(b, s, t);
   for (int l = 0; l < kLanes; ++l) {
     if (!((b.closed | was) >> l & 1)) continue;
     ContactPoint& p = points.contacts[b.contact[l]];
     p.closed = b.closed >> l & 1;
-    p.slides = b.slides[l];
-    for (int i = 0; i < 3; ++i) p.stick[i] = b.stick[i][l];
-    if (p.closed) deepest_ = std::max(deepest_, -t.gap[l]);
+    p.friction_traction = b.friction_traction[l];
+    for (int i = 0; i < 3; ++i) p.stick_point[i] = b.stick_point[i][l];
+    if (p.closed) largest_penetration_ = std::max(largest_penetration_, -t.gap[l]);
   }
   return frictional;
 }
@@ -162,14 +163,14 @@ void DebondedContact::add_force(const Block& b, const Touch& t, Grid& grid, Bond
   with_basis(grid.basis, [&](auto type) {
     scatter_value_by_lane(grid.force.data(), b.closed, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), f);
   });
-  take_from_grain(t.q, f, s);
+  subtract_from_grain(t.q, f, s);
 }
 
 double DebondedContact::follow(PointStore& points, const Grid& grid, const BondEnd* ends) {
   double frictional = 0.0;
-  deepest_ = 0.0;
+  largest_penetration_ = 0.0;
   for (Block& b : blocks_) {
-    if (b.is_dead()) continue;
+    if (b.has_failed_points_only()) continue;
     Touch t;
     touch(b, grid, ends[b.side], t);
     frictional += follow(b, points, ends[b.side], t);
@@ -186,11 +187,11 @@ void DebondedContact::add_force(Grid& grid, BondEnd* bond_ends) const {
   }
 }
 
-double DebondedContact::follow_and_add_force(PointStore& points, Grid& grid, BondEnd* bond_ends) {
+double DebondedContact::update_and_add_force(PointStore& points, Grid& grid, BondEnd* bond_ends) {
   double frictional = 0.0;
-  deepest_ = 0.0;
+  largest_penetration_ = 0.0;
   for (Block& b : blocks_) {
-    if (b.is_dead()) continue;
+    if (b.has_failed_points_only()) continue;
     Touch t;
     touch(b, grid, bond_ends[b.side], t);
     frictional += follow(b, points, bond_ends[b.side], t);
@@ -201,7 +202,7 @@ double DebondedContact::follow_and_add_force(PointStore& points, Grid& grid, Bon
 
 void DebondedContact::add_energy(const Grid& grid, const BondEnd* bond_ends, double& U) const {
   for (const Block& b : blocks_) {
-    if (b.is_dead()) continue;
+    if (b.has_failed_points_only()) continue;
     Touch t;
     touch(b, grid, bond_ends[b.side], t);
     U += sum_lanes(energy(b, t));
@@ -229,14 +230,14 @@ bool DebondedContact::update_added_mass(PointStore& points, const Grid& grid, co
     vd v[3], of_grain[3];
     find_velocity(b, grid, before[b.side], t, v, of_grain);
     const vd least = t.gap + kMargin * soon * min(dot(v, t.n), vd{});
-    const vd reach = select(b.inert_area > 0.0, splat(2.0 * kNear * grid.h), splat(kNear * grid.h));
+    const vd reach = select(b.added_mass_area > 0.0, splat(2.0 * kNear * grid.h), splat(kNear * grid.h));
     const vd wanted = masked(static_cast<std::uint8_t>(b.connected & bits(least < reach)), b.area);
     for (int l = 0; l < kLanes; ++l) {
       if (!(b.taken >> l & 1)) continue;
-      changes = changes || wanted[l] != b.inert_area[l];
-      points.contacts[b.contact[l]].inert_area = wanted[l];
+      changes = changes || wanted[l] != b.added_mass_area[l];
+      points.contacts[b.contact[l]].added_mass_area = wanted[l];
     }
-    b.inert_area = wanted;
+    b.added_mass_area = wanted;
   }
   return changes;
 }
@@ -248,9 +249,10 @@ void DebondedContact::add_stiffness(const Grid& grid, const BondEnd* bond_ends, 
     for (const Block& b : blocks_) {
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       for (int l = 0; l < kLanes; ++l)
-        if (b.inert_area[l] > 0.0)
+        if (b.added_mass_area[l] > 0.0)
           free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l,
-                            kOneSided * (1.0 + bond_ends[b.side].mass_ratio) * p_.stiffest_contact() * b.inert_area[l], penalty + b.side);
+                            kOneSided * (1.0 + bond_ends[b.side].mass_ratio) * p_.stiffest_contact() * b.added_mass_area[l],
+                            penalty + b.side);
     }
   });
 }
@@ -258,7 +260,7 @@ void DebondedContact::add_stiffness(const Grid& grid, const BondEnd* bond_ends, 
 namespace {
 
 // Contact point of a debonded link, where the link acts in the reference.
-ContactPoint opened_by(const PointStore& points, const Link& k, bool at_surface) {
+ContactPoint contact_of_link(const PointStore& points, const Link& k, bool at_surface) {
   ContactPoint p;
   p.slot = k.slot;
   p.grain = k.grain;
@@ -291,11 +293,11 @@ double DebondedContact::end(PointStore& points, const Grid& grid, const BondEnd*
     released += sum_lanes(masked(static_cast<std::uint8_t>(ends & b.closed), energy_across(b, t, grid, s, dt)));
     b.connected &= static_cast<std::uint8_t>(~ends);
     b.closed &= b.connected;
-    b.slides = masked(b.closed, b.slides);
+    b.friction_traction = masked(b.closed, b.friction_traction);
     for (int l = 0; l < kLanes; ++l)
       if (ends >> l & 1) {
         points.contacts[b.contact[l]].closed = false;
-        points.contacts[b.contact[l]].slides = 0.0;
+        points.contacts[b.contact[l]].friction_traction = 0.0;
       }
   }
   return released;
@@ -315,17 +317,17 @@ double DebondedContact::open(PointStore& points, const BondRecord& record, const
     return sum;
   };
   std::vector<ContactPoint> opened;
-  for (int link : links) opened.push_back(opened_by(points, points.links[link], p_.at_surface));
+  for (int link : links) opened.push_back(contact_of_link(points, points.links[link], p_.at_surface));
   const double before_it = pressed();
   take(points, record, grid, std::move(opened));
   return pressed() - before_it;
 }
 
-void DebondedContact::open_all(PointStore& points, const BondRecord& record, const Grid& grid, const BondEnd* bond_ends) {
+void DebondedContact::add_debonded_at_creation(PointStore& points, const BondRecord& record, const Grid& grid, const BondEnd* bond_ends) {
   std::vector<ContactPoint> opened;
   for (const Link& k : points.links) {
     const bool failed = points.has_failed(k.slot);
-    if ((!k.attached || failed) && !find(points.contacts, k.slot, k.grain)) opened.push_back(opened_by(points, k, p_.at_surface));
+    if ((!k.attached || failed) && !find(points.contacts, k.slot, k.grain)) opened.push_back(contact_of_link(points, k, p_.at_surface));
   }
   if (opened.empty()) return;
   take(points, record, grid, std::move(opened));
@@ -352,7 +354,7 @@ void DebondedContact::take(PointStore& points, const BondRecord& record, const G
   lay_out(points, record, grid);
 }
 
-std::vector<DebondedContact::OrphanedContact> DebondedContact::movers(const PointStore& points, const BondRecord& record) const {
+std::vector<DebondedContact::OrphanedContact> DebondedContact::orphans(const PointStore& points, const BondRecord& record) const {
   std::vector<OrphanedContact> all;
   for (const Block& b : blocks_)
     for (int l = 0; l < kLanes; ++l) {
@@ -400,7 +402,7 @@ DebondedContact::Found DebondedContact::nearest(const PointStore& points, const 
 namespace {
 
 // Contact point half a spacing from a material point towards the grain.
-ContactPoint before_point(const PointStore& points, const BondRecord& record, int slot, int grain) {
+ContactPoint contact_at_point(const PointStore& points, const BondRecord& record, int slot, int grain) {
   ContactPoint p;
   p.slot = slot;
   p.grain = grain;
@@ -426,7 +428,7 @@ double DebondedContact::move(PointStore& points, const BondRecord& record, const
   std::map<std::pair<int, int>, Sum> sums;  // by slot and grain
   double before_it = 0.0, after = 0.0;
   add_energy(grid, ends, before_it);
-  for (const Arrival& a : arrivals) sums[{a.slot, a.mover.grain}].area += a.share * a.mover.area;
+  for (const Arrival& a : arrivals) sums[{a.slot, a.orphan.grain}].area += a.share * a.orphan.area;
   // Contact points that the slots have already keep their force.
   for (const Block& b : blocks_) {
     Touch t;
@@ -456,7 +458,7 @@ double DebondedContact::move(PointStore& points, const BondRecord& record, const
       p->area = s.second.area;
       continue;
     }
-    fresh.push_back(before_point(points, record, s.first.first, s.first.second));
+    fresh.push_back(contact_at_point(points, record, s.first.first, s.first.second));
     fresh.back().area = s.second.area;
   }
   contacts.insert(contacts.end(), fresh.begin(), fresh.end());
@@ -475,11 +477,11 @@ double DebondedContact::move(PointStore& points, const BondRecord& record, const
       p.closed = s->second.pressed > 0.0;
       double square = 0.0;
       for (double e : s->second.slip) square += e * e;
-      p.slides = p_.contact().kt * std::sqrt(square) / p.area;
+      p.friction_traction = p_.contact().kt * std::sqrt(square) / p.area;
       p.radius = p.closed ? size + s->second.pressed / p.area : std::min(p.radius, size);
       for (int i = 0; i < 3; ++i) {
-        p.stick[i] = 0.0;
-        for (int d = 0; d < 3; ++d) p.stick[i] += side_of_it.R.a[d][i] * (t.q[d][l] - s->second.slip[d] / p.area);
+        p.stick_point[i] = 0.0;
+        for (int d = 0; d < 3; ++d) p.stick_point[i] += side_of_it.R.a[d][i] * (t.q[d][l] - s->second.slip[d] / p.area);
       }
     }
   }
@@ -490,18 +492,18 @@ double DebondedContact::move(PointStore& points, const BondRecord& record, const
 
 std::size_t DebondedContact::memory_usage() const { return blocks_.capacity() * sizeof(Block) + columns_.capacity() * sizeof(int); }
 
-void DebondedContact::points_failed(const BondAtWork& b, const std::vector<int>& slots, const std::vector<int>& links, Losses& losses) {
+void DebondedContact::points_failed(const BondContext& b, const std::vector<int>& slots, const std::vector<int>& links, Losses& losses) {
   losses.released += end(b.points, b.grid, b.ends, slots, b.dt);
   links_debonded(b, links, losses);
 }
 
-void DebondedContact::links_debonded(const BondAtWork& b, const std::vector<int>& links, Losses& losses) {
+void DebondedContact::links_debonded(const BondContext& b, const std::vector<int>& links, Losses& losses) {
   losses.released -= open(b.points, b.record, b.grid, b.ends, links, b.dt);
   changed_ = true;
 }
 
-void DebondedContact::add_force(const BondAtWork& b, Losses& losses) {
-  if (b.dt > 0.0) losses.frictional += follow_and_add_force(b.points, b.grid, b.ends);
+void DebondedContact::add_force(const BondContext& b, Losses& losses) {
+  if (b.dt > 0.0) losses.frictional += update_and_add_force(b.points, b.grid, b.ends);
   else add_force(b.grid, b.ends);
 }
 
@@ -510,10 +512,11 @@ void DebondedContact::add_energy(const PointStore&, const Grid& grid, const Bond
 }
 
 std::string DebondedContact::trouble(const PointStore&, Grid& grid, long step) const {
-  constexpr double kDeepest = 0.01;
-  if (!(deepest_ > kDeepest * grid.h)) return std::string();
-  return text_of("cement is pressed ", deepest_, " deep into a grain at step ", step, ", the most is ", kDeepest, " of a cell, ",
-                 kDeepest * grid.h, "; use slower grains, a smaller time step, or a larger 'kn' of fix mpm/couple");
+  constexpr double kLargestPenetration = 0.01;
+  if (!(largest_penetration_ > kLargestPenetration * grid.h)) return std::string();
+  return text_of("cement is pressed ", largest_penetration_, " deep into a grain at step ", step, ", the most is ", kLargestPenetration,
+                 " of a cell, ", kLargestPenetration * grid.h,
+                 "; use slower grains, a smaller time step, or a larger 'kn' of fix mpm/couple");
 }
 
 }  // namespace mpdem

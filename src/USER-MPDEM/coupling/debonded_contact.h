@@ -20,7 +20,7 @@
 // with the area of all contact points that moved to it. Points that are equally near share the area. A closed contact
 // point keeps its force.
 //
-// The stiffness is that of the links, or PenaltyParameters::most_contact if that is less. A contact point that touches
+// The stiffness is that of the links, or PenaltyParameters::max_contact_stiffness if that is less. A contact point that touches
 // or is about to touch needs added mass as links do (added_mass.h), but twice as much. A node of mass m rebounds from a
 // one-sided spring k at its speed of approach if k dt^2 <= 2 m. At 4 m, where a two-sided spring is still stable, it
 // may rebound with three times its energy.
@@ -43,9 +43,9 @@ namespace mpdem {
 class DebondedContact : public BondMechanism {
  public:
   DebondedContact() = default;
-  void points_failed(const BondAtWork& b, const std::vector<int>& slots, const std::vector<int>& links, Losses& losses) override;
-  void links_debonded(const BondAtWork& b, const std::vector<int>& links, Losses& losses) override;
-  void add_force(const BondAtWork& b, Losses& losses) override;
+  void points_failed(const BondContext& b, const std::vector<int>& slots, const std::vector<int>& links, Losses& losses) override;
+  void links_debonded(const BondContext& b, const std::vector<int>& links, Losses& losses) override;
+  void add_force(const BondContext& b, Losses& losses) override;
   void add_energy(const PointStore& points, const Grid& grid, const BondEnd* ends, double& of_points, double& of_coupling) const override;
   std::string trouble(const PointStore& points, Grid& grid, long step) const override;
 
@@ -63,7 +63,7 @@ class DebondedContact : public BondMechanism {
   double open(PointStore& points, const BondRecord& record, const Grid& grid, const BondEnd* ends, const std::vector<int>& links,
               double dt);
   // Creates the contact points of all links that were debonded when the cement was made.
-  void open_all(PointStore& points, const BondRecord& record, const Grid& grid, const BondEnd* ends);
+  void add_debonded_at_creation(PointStore& points, const BondRecord& record, const Grid& grid, const BondEnd* ends);
 
   // Updates the contact points for the present positions. Returns the frictional dissipation. Unchanged positions
   // change nothing.
@@ -71,7 +71,7 @@ class DebondedContact : public BondMechanism {
   // Adds the forces of the present positions to nodes and grains.
   void add_force(Grid& grid, BondEnd* ends) const;
   // Does both, one contact point after the other.
-  double follow_and_add_force(PointStore& points, Grid& grid, BondEnd* ends);
+  double update_and_add_force(PointStore& points, Grid& grid, BondEnd* ends);
   // Adds the energy that the contact stores.
   void add_energy(const Grid& grid, const BondEnd* ends, double& energy) const;
   // Adds the inert area of contact points that touch, or may touch within the time `soon`, and removes that of the
@@ -81,7 +81,7 @@ class DebondedContact : public BondMechanism {
   bool update_added_mass(PointStore& points, const Grid& grid, const BondEnd* ends, double dt, double soon);
   void add_stiffness(const Grid& grid, const BondEnd* ends, double* penalty) const override;
   // Largest penetration of a contact point into its grain, at the last follow().
-  double deepest() const { return deepest_; }
+  double largest_penetration() const { return largest_penetration_; }
 
   // A contact point whose material point failed, and what it transfers to an intact point.
   struct OrphanedContact {
@@ -90,9 +90,9 @@ class DebondedContact : public BondMechanism {
     double spacing;           // of the points
   };
   // movers(): contact points whose material points failed. They stay in the store until move() removes them. There are
-  // none if take_change() is false: no point failed and no link debonded since its last call.
-  bool take_change() { return std::exchange(changed_, false); }
-  std::vector<OrphanedContact> movers(const PointStore& points, const BondRecord& record) const;
+  // none if take_topology_change() is false: no point failed and no link debonded since its last call.
+  bool take_topology_change() { return std::exchange(changed_, false); }
+  std::vector<OrphanedContact> orphans(const PointStore& points, const BondRecord& record) const;
   // The intact points of the store that are nearest to the position on the surface. Distances across the normal count
   // three times. Points that are equally near share the contact point, since none of them comes first in a bond that is
   // its own mirror image.
@@ -105,7 +105,7 @@ class DebondedContact : public BondMechanism {
   // Moves contact points to the slots of `arrivals`, and removes those of failed points that `gone` names. Returns the
   // increase of stored energy.
   struct Arrival {
-    OrphanedContact mover;
+    OrphanedContact orphan;
     int slot;
     double share;  // of the area
   };
@@ -117,12 +117,12 @@ class DebondedContact : public BondMechanism {
 
  private:
   struct Block {
-    vd X[3], area, inert_area, radius, stick[3], slides;
+    vd X[3], area, added_mass_area, radius, stick_point[3], friction_traction;
     vint base[3];
     int contact[kLanes];  // index in the store; -1: empty
     int side;
-    std::uint8_t taken, connected, closed;                      // one bit for each lane; connected: the point has not failed
-    bool is_dead() const { return (connected | closed) == 0; }  // all its points failed, so it carries no load
+    std::uint8_t taken, connected, closed;                                     // one bit for each lane; connected: the point has not failed
+    bool has_failed_points_only() const { return (connected | closed) == 0; }  // all its points failed, so it carries no load
   };
   // Kinematics of eight contact points, see the symbols above.
   struct Touch {
@@ -145,7 +145,7 @@ class DebondedContact : public BondMechanism {
 
   PenaltyParameters p_;
   int columns_of_cell_ = 0;
-  double inverse_h_ = 0, deepest_ = 0;
+  double inverse_h_ = 0, largest_penetration_ = 0;
   bool changed_ = true;  // points that failed on another rank may have arrived
   std::vector<Block> blocks_;
   std::vector<int> columns_;  // columns of the lanes of the blocks, see Grid

@@ -71,7 +71,7 @@ struct Film::Loads {
       }
   }
 
-  void add_to(BondEnd* bond_ends, const Turns& turns) const {
+  void add_to(BondEnd* bond_ends, const Rotations& turns) const {
     Mat3<double> T;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) T.a[i][j] = sum_lanes(moment.a[i][j]);
@@ -150,13 +150,13 @@ void Film::lay_out(const BondRecord& record, const std::shared_ptr<const Law>& l
   if (!opened) faces_.clear();
 }
 
-Film::Turns Film::turns(const BondEnd* bond_ends) const {
-  Turns t;
+Film::Rotations Film::turns(const BondEnd* bond_ends) const {
+  Rotations t;
   for (int s = 0; s < 2; ++s) t.Q[s] = product(bond_ends[s].R, transpose(orientation_[s]));
   return t;
 }
 
-void Film::deform(std::size_t b, const Turns& t, const BondEnd* bond_ends, vd (*r)[3], Mat3<vd>& F) const {
+void Film::deform(std::size_t b, const Rotations& t, const BondEnd* bond_ends, vd (*r)[3], Mat3<vd>& F) const {
   const Column& c = columns_[b];
   vd apart[3];
   for (int i = 0; i < 3; ++i) {
@@ -188,7 +188,7 @@ void Film::debond(int slot, bool debonds) {
 // the axes of the creation, to which the rotation of either grain brings its value back: the rotations of the grains
 // relative to each other are of the order of the strain.
 template <class L>
-void Film::force_on_face(const L& law, std::size_t b, const Turns& turns, const BondEnd* bond_ends, vd* f) const {
+void Film::force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* bond_ends, vd* f) const {
   const PointBlock& p = points.blocks[b];
   const BlockMeta& m = points.meta[b];
   const Column& c = columns_[b];
@@ -210,17 +210,17 @@ void Film::force_on_face(const L& law, std::size_t b, const Turns& turns, const 
   }
 }
 
-// The grain (0 or 1) that is behind, as side_behind() of mpm/bond_record.h defines it for the whole bond.
-int Film::side_behind_of(const Column& c, std::uint8_t live) {
+// The grain (0 or 1) that is behind, as grain_behind() of mpm/bond_record.h defines it for the whole bond.
+int Film::grain_behind_of(const Column& c, std::uint8_t live) {
   BondRecord along;
   const int l = __builtin_ctz(live);
   for (int d = 0; d < 3; ++d) along.centre[1][d] = c.N[d][l];
-  return side_behind(along);
+  return grain_behind(along);
 }
 
 // The column is approximated by a spring along N and one across, which the next step corrects.
 template <class L, class T>
-void Film::open_faces(const L& law, const T& traction, const Turns& turns, const BondEnd* ends, AdvanceResult& result) {
+void Film::open_faces(const L& law, const T& traction, const Rotations& turns, const BondEnd* ends, AdvanceResult& result) {
   if constexpr (T::kFields > 0) {
     static_assert(T::kFields == 1, "a face keeps its damage");
     constexpr int kIterations = 6;
@@ -237,7 +237,7 @@ void Film::open_faces(const L& law, const T& traction, const Turns& turns, const
       const Mat3<vd> soft = along_and_across(1.0 / (law.elasticity().C33 * per_length), 1.0 / (law.elasticity().C44 * per_length), c.N);
       vd f[3];
       force_on_face(law, b, turns, ends, f);
-      const int behind = side_behind_of(c, live);
+      const int behind = grain_behind_of(c, live);
       std::uint8_t gone = 0;
       vmask softens[2] = {};
       for (int k = 0; k < kIterations; ++k) {
@@ -251,11 +251,11 @@ void Film::open_faces(const L& law, const T& traction, const Turns& turns, const
           of_face[s] = along_and_across(1.0 / (kn + floor), 1.0 / (kt + floor), c.normal[s]);
           // A face that softens is compliant only along its opening, and not where it is closed.
           const vd closed = min(delta.n, vd{}), energy = kt * delta.tangential_square() + kn * (delta.n - closed) * (delta.n - closed);
-          const vd fails_by_load = select(softens[s] & (energy > 0.0), splat(1.0 / kSoftening) / max(energy, splat(1e-300)), vd{});
+          const vd softening_compliance = select(softens[s] & (energy > 0.0), splat(1.0 / kSoftening) / max(energy, splat(1e-300)), vd{});
           vd open[3];
           for (int i = 0; i < 3; ++i) open[i] = faces.open[s][i] - closed * c.normal[s][i];
           for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) of_face[s].a[i][j] += fails_by_load * open[i] * open[j];
+            for (int j = 0; j < 3; ++j) of_face[s].a[i][j] += softening_compliance * open[i] * open[j];
         }
         solve_in_series(soft, of_face, rest, step, grows_by);
         for (int i = 0; i < 3; ++i) {
@@ -326,17 +326,17 @@ void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* fac
   if (empty()) return;
   AdvanceOptions options(given);
   options.nonlocal = false;  // a column is its own neighbourhood: it softens by its thickness
-  const Turns turns_now = turns(ends);
+  const Rotations rotations_now = turns(ends);
   Loads loads;
   with_law(of_any_kind, [&](const auto& law) {
     using L = std::decay_t<decltype(law)>;
-    if (faces) with_traction(*faces, [&](const auto& traction) { open_faces(law, traction, turns_now, ends, result); });
+    if (faces) with_traction(*faces, [&](const auto& traction) { open_faces(law, traction, rotations_now, ends, result); });
     PointStress<L> stress_at_end(points, law, dt, options, {}, result);
     PassClock clock(result.ticks);
     const auto load = [&](int b, const Sym3<vd>& stress) {
       vd r[2][3];
       Mat3<vd> unused;
-      deform(static_cast<std::size_t>(b), turns_now, ends, r, unused);
+      deform(static_cast<std::size_t>(b), rotations_now, ends, r, unused);
       const PointBlock& p = points.blocks[b];
       loads.add(weighted_piola(p.F, p.q, stress, carried(b)), columns_[b], r);
     };
@@ -347,7 +347,7 @@ void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* fac
       PointBlock& p = points.blocks[b];
       vd r[2][3];
       Mat3<vd> F, dF;
-      deform(static_cast<std::size_t>(b), turns_now, ends, r, F);
+      deform(static_cast<std::size_t>(b), rotations_now, ends, r, F);
       if (const std::uint8_t at_rest = m.failed | columns_[b].cut) F = keep(lanes(at_rest), p.F, F);
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) dF.a[i][j] = F.a[i][j] - p.F.a[i][j];
@@ -358,11 +358,11 @@ void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* fac
       if (stress_at_end(
               b, strain_start, [] { return vd{}; }, stress))
         loads.add(weighted_piola(p.F, p.q, stress, carried(b)), columns_[b], r);
-      if (stress_at_end.full()) stress_at_end.settle(clock, load);
+      if (stress_at_end.full()) stress_at_end.flush(clock, load);
     }
-    stress_at_end.settle(clock, load);
+    stress_at_end.flush(clock, load);
   });
-  loads.add_to(ends, turns_now);
+  loads.add_to(ends, rotations_now);
   failed.swap(result.failed);
   result.failed.clear();
   std::sort(failed.begin(), failed.end());
@@ -375,29 +375,29 @@ void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* fac
 
 void Film::add_force(BondEnd* ends, const Law& of_any_kind) const {
   if (empty()) return;
-  const Turns turns_now = turns(ends);
+  const Rotations rotations_now = turns(ends);
   Loads loads;
   with_law(of_any_kind, [&](const auto& law) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const PointBlock& p = points.blocks[b];
       vd r[2][3];
       Mat3<vd> unused;
-      deform(static_cast<std::size_t>(b), turns_now, ends, r, unused);
+      deform(static_cast<std::size_t>(b), rotations_now, ends, r, unused);
       loads.add(weighted_piola(p.F, p.q, stress_of(points, static_cast<int>(b), law), carried(static_cast<int>(b))), columns_[b], r);
     }
   });
-  loads.add_to(ends, turns_now);
+  loads.add_to(ends, rotations_now);
 }
 
 // The strain is the logarithm of the stretch, to which the sum over steps converges where the axes of the stretch are
 // fixed.
 void Film::start_from(const BondEnd* ends) {
-  const Turns turns_now = turns(ends);
+  const Rotations rotations_now = turns(ends);
   points.forget_roots_of_norm();
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     PointBlock& p = points.blocks[b];
     vd r[2][3];
-    deform(static_cast<std::size_t>(b), turns_now, ends, r, p.F);
+    deform(static_cast<std::size_t>(b), rotations_now, ends, r, p.F);
     for (int l = 0; l < kLanes; ++l) {
       if (!(points.meta[b].occupied >> l & 1)) continue;
       Eigen::Matrix3d F;
@@ -433,14 +433,14 @@ void Film::set_strain(const Strains& strains, const double* d) {
 Film::Strains Film::strains(const BondEnd* ends, const Eigen::Vector3d& middle) const {
   Strains all;
   if (empty()) return all;
-  const Turns turns_now = turns(ends);
+  const Rotations rotations_now = turns(ends);
   for (auto& of_motion : all) of_motion.resize(points.blocks.size());
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const PointBlock& p = points.blocks[b];
     const Column& c = columns_[b];
     vd r[2][3], from_middle[3];
     Mat3<vd> unused;
-    deform(b, turns_now, ends, r, unused);
+    deform(b, rotations_now, ends, r, unused);
     for (int d = 0; d < 3; ++d) from_middle[d] = r[1][d] + (ends[1].x[d] - middle[d]);
     const Mat3<vd> to_present = inverse(p.F), frame = rotation_matrix(p.q);
     for (int j = 0; j < 6; ++j) {
@@ -452,7 +452,7 @@ Film::Strains Film::strains(const BondEnd* ends, const Eigen::Vector3d& middle) 
       for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, g = (d + 2) % 3;
         way[d] += turn[e] * from_middle[g] - turn[g] * from_middle[e];
-        for (int k = 0; k < 3; ++k) G.a[d][k] = splat(0.5 * (turn[e] * turns_now.Q[1].a[g][k] - turn[g] * turns_now.Q[1].a[e][k]));
+        for (int k = 0; k < 3; ++k) G.a[d][k] = splat(0.5 * (turn[e] * rotations_now.Q[1].a[g][k] - turn[g] * rotations_now.Q[1].a[e][k]));
       }
       for (int d = 0; d < 3; ++d)
         for (int k = 0; k < 3; ++k) G.a[d][k] += c.inverse_t * way[d] * c.N[k];

@@ -102,26 +102,26 @@ class Film {
   struct Faces {
     vd open[2][3], damage[2];
   };
-  struct Turns {
+  struct Rotations {
     Mat3<double> Q[2];
   };
-  Turns turns(const BondEnd* ends) const;
+  Rotations turns(const BondEnd* ends) const;
   // Finds vectors r from the centres to the ends of the columns of block b, and the deformation gradient.
-  void deform(std::size_t b, const Turns& t, const BondEnd* ends, vd (*r)[3], Mat3<vd>& F) const;
+  void deform(std::size_t b, const Rotations& t, const BondEnd* ends, vd (*r)[3], Mat3<vd>& F) const;
   struct Loads;
 
   std::uint8_t carrying(std::size_t b) const {
     return static_cast<std::uint8_t>(points.meta[b].occupied & ~points.meta[b].failed & ~columns_[b].cut);
   }
   template <class L, class T>
-  void open_faces(const L& law, const T& traction, const Turns& turns, const BondEnd* ends, AdvanceResult& result);
+  void open_faces(const L& law, const T& traction, const Rotations& turns, const BondEnd* ends, AdvanceResult& result);
   template <class L>
-  void force_on_face(const L& law, std::size_t b, const Turns& turns, const BondEnd* ends, vd* f) const;
+  void force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* ends, vd* f) const;
   template <class T>
   vd energy_of_faces(const T& traction, std::size_t b) const;
   void debond(int slot, bool debonds);
   void write_faces(int b);
-  static int side_behind_of(const Column& c, std::uint8_t live);
+  static int grain_behind_of(const Column& c, std::uint8_t live);
   vd carried(int b) const { return masked(carrying(static_cast<std::size_t>(b)), points.blocks[b].volume); }  // volume that carries load
 
   std::vector<Column> columns_;

@@ -43,7 +43,7 @@ struct Grain {
   double start[6] = {0, 0, 0, 0, 0, 0}, cement_load[6] = {0, 0, 0, 0, 0, 0}, load_of_other_substeps[6] = {0, 0, 0, 0, 0, 0},
          kick[6] = {0, 0, 0, 0, 0, 0};
   double acceleration[6] = {0, 0, 0, 0, 0, 0};  // in this step: expected for prescribed motion, or found by the cement
-  double made_for = 0;                          // radius when its cement was made
+  double radius_at_creation = 0;                // radius when its cement was made
   HostState state;
   std::vector<int> ends;  // indices of all its ends in BondEnds::owned()
 

@@ -169,7 +169,7 @@ void GrainAccelerations::sweep(double omega, bool first, const BondEnds& ends, C
     const Vector6 b = c.B.leftCols<3>() * Eigen::Map<const Vector3>(s.a) + c.B.rightCols<3>() * Eigen::Map<const Vector3>(s.alpha);
     for (int d = 0; d < 6; ++d) from_others_[6 * c.grain + d] += b[d];
   }
-  if (!(first && condensed.at_rest())) condensed.take_coupling(from_others_.data());
+  if (!(first && condensed.at_rest())) condensed.subtract_coupling(from_others_.data());
   for (std::size_t b = 0; b < unknowns_.size(); ++b) {
     Unknowns& u = unknowns_[b];
     const double* from = &from_others_[6 * kLanes * b];

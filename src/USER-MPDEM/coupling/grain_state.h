@@ -20,8 +20,8 @@ struct GrainState {
   double v_end[6] = {0, 0, 0, 0, 0, 0};     // velocities at the end of the step
   double a[3] = {0, 0, 0};                  // expected acceleration of a prescribed v
   double load[6] = {0, 0, 0, 0, 0, 0};      // force and moment of the cement
-  double owed[6] = {0, 0, 0,
-                    0, 0, 0};   // second half of the impulse of jumps and transfers of the last step; it acts in the first half of the next
+  double pending_impulse[6] = {
+      0, 0, 0, 0, 0, 0};        // second half of the impulse of jumps and transfers of the last step; it acts in the first half of the next
   bool position_known = false;  // x is known, since cement was made or forces were computed
   double x[3] = {0, 0, 0};      // unwrapped position when forces were computed last, or cement was made
   double late_load[6] = {0, 0, 0, 0, 0, 0};  // force and torque that fixes after fix mpm added in the last step
@@ -34,7 +34,7 @@ struct GrainState {
   double mean[18] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   double off[6] = {0, 0, 0, 0, 0, 0}, off_squared = 0.0;
   double between[6] = {0, 0, 0, 0, 0, 0};
-  double bent[3] = {0, 0, 0};
+  double path_offset[3] = {0, 0, 0};
 
   // Load in each sub-step of the next step of the host.
   const double* held() const { return mean + 12; }
@@ -51,7 +51,7 @@ struct GrainState {
     visit("the last velocity of a bonded grain", g.v_end, kFinite);
     visit("the acceleration of a bonded grain", g.a, kFinite);
     visit("the load of a bonded grain", g.load, kFinite);
-    visit("the impulse that a bonded grain is yet to take", g.owed, kFinite);
+    visit("the impulse that a bonded grain is yet to take", g.pending_impulse, kFinite);
     visit("'position is known' of a bonded grain", g.position_known);
     visit("the position of a bonded grain", g.x, kFinite);
     visit("the late load of a bonded grain", g.late_load, kFinite);
@@ -61,7 +61,7 @@ struct GrainState {
       visit("how far the load of a bonded grain is off its mean", g.off, kFinite);
       visit("how far the square of the load of a bonded grain is off its mean", g.off_squared, kNotNegative);
       visit("the load of a bonded grain between steps", g.between, kFinite);
-      visit("how far the path of a bonded grain in its sub-steps is bent", g.bent, kFinite);
+      visit("how far the path of a bonded grain in its sub-steps is bent", g.path_offset, kFinite);
     }
   }
 };

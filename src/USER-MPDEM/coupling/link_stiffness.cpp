@@ -12,7 +12,7 @@ void PenaltyLinks::add_small_force(const std::vector<Secant>& secants, const dou
   with_basis(basis_, [&](auto type) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const LinkBlock& b = blocks_[i];
-      const std::uint8_t attached = holding_[i].attached;
+      const std::uint8_t attached = link_flags_[i].attached;
       if (!attached) continue;
       const Secant& s = secants[i];
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);

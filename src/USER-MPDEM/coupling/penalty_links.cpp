@@ -49,7 +49,7 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
   std::vector<Item> items;
   for (std::size_t i = 0; i < points.links.size(); ++i) {
     const Link& k = points.links[i];
-    if (!is_bonded(points, k) && !k.inert) continue;
+    if (!is_bonded(points, k) && !k.has_added_mass) continue;
     const int b = k.slot / kLanes, l = k.slot % kLanes;
     const auto cell_along = [&](int d) { return support_base(k.foot[d], inverse_h_, cell_shift(basis_)); };
     items.push_back(
@@ -61,7 +61,7 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
   const std::size_t count = blocks_of(second - items.begin()) + blocks_of(items.end() - second);
   std::vector<LinkBlock>& blocks = blocks_.own();
   blocks.reserve(count);
-  holding_.reserve(count);
+  link_flags_.reserve(count);
   const auto has_moved = [&](const Item& i) {
     const Link& k = points.links[i.link];
     return created(points, k, 0) != acts_at(points, k, 0) || created(points, k, 1) != acts_at(points, k, 1) ||
@@ -71,7 +71,7 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
   if (p_.damping > 0.0) dampers_.resize(count);
   for (auto i = items.begin(); i != items.end();) {
     blocks.emplace_back();
-    holding_.emplace_back();
+    link_flags_.emplace_back();
     LinkBlock& b = blocks.back();
     const std::size_t n = blocks.size() - 1;
     b.side = static_cast<std::uint8_t>(i->key[0]);
@@ -97,11 +97,11 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
 
 void PenaltyLinks::set_lane(std::size_t block, int lane, const PointStore& points, int link) {
   LinkBlock& b = blocks_.own()[block];
-  LinkFlags& h = holding_[block];
+  LinkFlags& h = link_flags_[block];
   const Link& k = points.links[link];
   const std::uint8_t bit = static_cast<std::uint8_t>(1u << lane);
   b.link[lane] = link;
-  h.inert |= bit;
+  h.has_added_mass |= bit;
   if (is_bonded(points, k)) h.attached |= bit;
   b.area[lane] = k.area;
   const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
@@ -199,7 +199,7 @@ bool PenaltyLinks::remap_contacts(PointStore& points) {
         b.X[d][l] = acts_at(points, k, d);  // computed anew and not incremented, so that blocks are bitwise those of a new layout
         left = left || base[d] != b.base[d][l];
       }
-      gone_ = gone_ || !(k.attached || k.inert);
+      gone_ = gone_ || !(k.attached || k.has_added_mass);
     }
   }
   return left || gone_;
@@ -294,7 +294,7 @@ void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const BondEnd& s
   const vd sqrt_kn = sqrt(k.kn), sqrt_kt = sqrt(k.kt);
   find_velocity(b, grid, s, w, q, v);
   const vd vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-  const vd g = masked(holding_[number_of(b)].attached, dampers_[number_of(b)]);
+  const vd g = masked(link_flags_[number_of(b)].attached, dampers_[number_of(b)]);
   for (int d = 0; d < 3; ++d) f[d] = -g * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
 }
 
@@ -306,7 +306,7 @@ Power PenaltyLinks::damper_power(const Grid& grid, const BondEnd* ends) const {
       using Type = decltype(type);
       for (std::size_t i = 0; i < blocks_.size(); ++i) {
         const LinkBlock& b = blocks_[i];
-        if (!holding_[i].attached) continue;
+        if (!link_flags_[i].attached) continue;
         const BondEnd& s = ends[b.side];
         const Weights<Type> w(b.X, b.base, inverse_h_);
         vd q[3], delta[3], n[3], v[3], f[3], a[3];
@@ -336,7 +336,7 @@ double PenaltyLinks::fastest(const Grid& grid, const BondEnd* ends) const {
       find_velocity(b, grid, s, w, q, v);
       const vd speed = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
       for (int l = 0; l < kLanes; ++l)
-        if (holding_[number_of(b)].attached >> l & 1) square = std::max(square, speed[l]);
+        if (link_flags_[number_of(b)].attached >> l & 1) square = std::max(square, speed[l]);
     }
   });
   return std::sqrt(square);
@@ -351,7 +351,7 @@ void PenaltyLinks::each_attached(const Grid& grid, const BondEnd* ends, F f) con
         prefetch_bytes(&blocks_[i + 1], sizeof(LinkBlock));
         prefetch_bytes(columns(blocks_[i + 1]), kLanes * columns_of_cell_ * sizeof(int));
       }
-      if (!holding_[i].attached) continue;
+      if (!link_flags_[i].attached) continue;
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       vd q[3], delta[3], n[3];
       compute_gap(b, grid, ends[b.side], w, q, delta, n);
@@ -364,7 +364,7 @@ template <class L, class Type>
 void PenaltyLinks::add_force_of(const L& law, std::size_t i, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, Grid& grid,
                                 BondEnd& s) const {
   const LinkBlock& b = blocks_[i];
-  const std::uint8_t attached = holding_[i].attached;
+  const std::uint8_t attached = link_flags_[i].attached;
   if (!attached) return;
   const LinkSeparation apart = separation_of(delta, n);
   const TractionSecant k = law.secant(apart, state(law, i));
@@ -377,7 +377,7 @@ void PenaltyLinks::add_force_of(const L& law, std::size_t i, const Weights<Type>
     for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
   }
   scatter_value_by_lane(grid.force.data(), attached, columns(b), w, f);
-  take_from_grain(q, f, s);
+  subtract_from_grain(q, f, s);
 }
 
 void PenaltyLinks::add_force(Grid& grid, BondEnd* ends) const {
@@ -389,14 +389,14 @@ void PenaltyLinks::add_force(Grid& grid, BondEnd* ends) const {
   });
 }
 
-void PenaltyLinks::follow_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step) {
+void PenaltyLinks::update_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step) {
   step.dissipated = step.released = 0.0;
   step.debond.clear();
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     each_attached(grid, ends, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
       BondEnd& s = ends[blocks_[i].side];
-      if constexpr (std::decay_t<decltype(law)>::kFields > 0) follow_block(law, i, w, q, delta, n, points, grid, s, dt, step);
+      if constexpr (std::decay_t<decltype(law)>::kFields > 0) update_block(law, i, w, q, delta, n, points, grid, s, dt, step);
       add_force_of(law, i, w, q, delta, n, grid, s);
     });
   });
@@ -404,10 +404,10 @@ void PenaltyLinks::follow_and_add_force(PointStore& points, Grid& grid, BondEnd*
 }
 
 template <class L, class Type>
-void PenaltyLinks::follow_block(const L& law, std::size_t i, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n,
+void PenaltyLinks::update_block(const L& law, std::size_t i, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n,
                                 PointStore& points, const Grid& grid, const BondEnd& s, double dt, LinkStep& step) {
   const LinkBlock& b = blocks_[i];
-  const std::uint8_t attached = holding_[i].attached;
+  const std::uint8_t attached = link_flags_[i].attached;
   typename L::State now = state(law, i);
   const vmask was_damaged = states_[L::kFields * i] > 0.0;
   const TractionUpdate u = law.update(separation_of(delta, n), now);
@@ -415,7 +415,7 @@ void PenaltyLinks::follow_block(const L& law, std::size_t i, const Weights<Type>
   const vd area = masked(attached, b.area);
   vd v[3];
   find_velocity(b, grid, s, w, q, v);
-  const vd taken = area * taken_in_step(law, state(law, i), now, delta, n, v, dt);
+  const vd taken = area * energy_loss_in_step(law, state(law, i), now, delta, n, v, dt);
   step.dissipated += sum_lanes(area * u.dissipated);
   std::memcpy(&states_[L::kFields * i], &now, sizeof now);
   std::uint8_t freed = 0;
@@ -436,15 +436,15 @@ vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const
   const LinkBlock& b = blocks_[block];
   vd q[3], delta[3], n[3];
   with_basis(basis_, [&](auto type) { compute_gap(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
-  return masked(holding_[block].attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
+  return masked(link_flags_[block].attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
 }
 
 // Energy per area that a spring with a stiffness that changes in a step takes from central differences: delta(t -
 // dt).(K(t - dt) - K(t)).delta(t)/2. This is what damage dissipates and closed links release, with two exceptions: the
 // damage of a step that jumps over the peak, and links that open or close.
 template <class L>
-vd PenaltyLinks::taken_in_step(const L& law, const typename L::State& before, const typename L::State& after, const vd* delta, const vd* n,
-                               const vd* v, double dt) {
+vd PenaltyLinks::energy_loss_in_step(const L& law, const typename L::State& before, const typename L::State& after, const vd* delta,
+                                     const vd* n, const vd* v, double dt) {
   vd old[3];
   for (int d = 0; d < 3; ++d) old[d] = delta[d] - dt * v[d];
   const LinkSeparation then = separation_of(old, n), now = separation_of(delta, n);
@@ -459,15 +459,15 @@ void PenaltyLinks::release(std::size_t block, std::uint8_t freed, vd energy, boo
     if (!(freed >> l & 1)) continue;
     released += energy[l];
     points.links[b.link[l]].attached = is_residue;
-    points.links[b.link[l]].inert = true;
+    points.links[b.link[l]].has_added_mass = true;
   }
-  holding_[block].attached &= static_cast<std::uint8_t>(~freed);
+  link_flags_[block].attached &= static_cast<std::uint8_t>(~freed);
 }
 
 // Energy that is released if a force ends within a step, k delta(t) delta(t - dt)/2. The force works with its last
 // value over half of the motion of that step. Stiff links move much within a step.
 template <class L>
-vd PenaltyLinks::energy_of_ending(const L& law, std::size_t block, const Grid& grid, const BondEnd& s, double dt) const {
+vd PenaltyLinks::energy_at_debonding(const L& law, std::size_t block, const Grid& grid, const BondEnd& s, double dt) const {
   const LinkBlock& b = blocks_[block];
   vd q[3], delta[3], n[3], v[3], before[3];
   with_basis(basis_, [&](auto type) {
@@ -480,7 +480,7 @@ vd PenaltyLinks::energy_of_ending(const L& law, std::size_t block, const Grid& g
   const vd product = before[0] * delta[0] + before[1] * delta[1] + before[2] * delta[2];
   const vd n_before = before[0] * n[0] + before[1] * n[1] + before[2] * n[2];
   const TractionSecant k = law.secant(apart, state(law, block));
-  return masked(holding_[block].attached, 0.5 * b.area) * (k.kt * product + (k.kn - k.kt) * apart.n * n_before);
+  return masked(link_flags_[block].attached, 0.5 * b.area) * (k.kt * product + (k.kn - k.kt) * apart.n * n_before);
 }
 
 std::vector<int> PenaltyLinks::debond(PointStore& points, const std::vector<int>& failed, const Grid& grid, const BondEnd* ends, double dt,
@@ -495,12 +495,12 @@ std::vector<int> PenaltyLinks::debond(PointStore& points, const std::vector<int>
   with_traction(*p_.law, [&](const auto& law) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const LinkBlock& b = blocks_[i];
-      const std::uint8_t attached = holding_[i].attached;
+      const std::uint8_t attached = link_flags_[i].attached;
       std::uint8_t freed = 0;
       for (int l = 0; l < kLanes; ++l)
         if ((attached >> l & 1) && std::binary_search(of_failed.begin(), of_failed.end(), b.link[l]))
           freed |= static_cast<std::uint8_t>(1u << l);
-      if (freed) release(i, freed, energy_of_ending(law, i, grid, ends[b.side], dt), law.leaves_residue(), points, released);
+      if (freed) release(i, freed, energy_at_debonding(law, i, grid, ends[b.side], dt), law.leaves_residue(), points, released);
       for (int l = 0; l < kLanes; ++l)
         if (freed >> l & 1) gone.push_back(b.link[l]);
     }
@@ -513,19 +513,19 @@ void PenaltyLinks::add_spring_energy(const Grid& grid, const BondEnd* ends, doub
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     for (std::size_t i = 0; i < blocks_.size(); ++i)
-      if (holding_[i].attached) U += sum_lanes(energy(law, i, grid, ends[blocks_[i].side]));
+      if (link_flags_[i].attached) U += sum_lanes(energy(law, i, grid, ends[blocks_[i].side]));
   });
 }
 
-bool PenaltyLinks::drop_inertia(PointStore& points) {
+bool PenaltyLinks::drop_added_mass(PointStore& points) {
   bool some = false;
   for (std::size_t n = 0; n < blocks_.size(); ++n) {
-    LinkFlags& h = holding_[n];
-    if (h.inert == h.attached) continue;
+    LinkFlags& h = link_flags_[n];
+    if (h.has_added_mass == h.attached) continue;
     some = true;
-    h.inert = h.attached;
+    h.has_added_mass = h.attached;
     for (int link : blocks_[n].link)
-      if (link >= 0) points.links[link].inert = false;
+      if (link >= 0) points.links[link].has_added_mass = false;
   }
   return some;
 }
@@ -551,7 +551,7 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const BondEnd* ends, double d
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
     for (const LinkBlock& b : blocks_) {
-      const std::uint8_t inert = holding_[number_of(b)].inert;
+      const std::uint8_t inert = link_flags_[number_of(b)].has_added_mass;
       if (!inert) continue;
       const vd inertia = (1.0 + ends[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[number_of(b)]);
       const Weights<Type> w(b.X, b.base, inverse_h_);
@@ -574,7 +574,7 @@ std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const 
         vd delta[3];
         compute_gap(b, grid, ends[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), s.arm, delta, s.n);
         const TractionSecant k = law.secant(separation_of(delta, s.n), state(law, i));
-        const vd area = masked(holding_[i].attached, b.area);
+        const vd area = masked(link_flags_[i].attached, b.area);
         s.kn = area * k.kn;
         s.kt = area * k.kt;
       }
@@ -590,7 +590,7 @@ void PenaltyLinks::share(AlikeLists& alike) {
 }
 
 std::size_t PenaltyLinks::memory_usage() const {
-  return blocks_.memory_usage() + columns_.memory_usage() + layers_.memory_usage() + holding_.capacity() * sizeof(LinkFlags) +
+  return blocks_.memory_usage() + columns_.memory_usage() + layers_.memory_usage() + link_flags_.capacity() * sizeof(LinkFlags) +
          states_.capacity() * sizeof(vd) + (moves_.capacity() + created_.capacity()) * sizeof(Gaps) + dampers_.capacity() * sizeof(vd);
 }
 

@@ -50,8 +50,10 @@ struct PenaltyParameters {
   // Largest stiffness of a contact point, in pressure over length. A node near its grain gains added mass, which slows
   // it, and loses it when it leaves. If that is many times the mass of the cement there, impacts lose most of its
   // motion.
-  double most_contact = std::numeric_limits<double>::infinity();
-  TractionStiffness contact() const { return {std::min(law->stiffness().kn, most_contact), std::min(law->stiffness().kt, most_contact)}; }
+  double max_contact_stiffness = std::numeric_limits<double>::infinity();
+  TractionStiffness contact() const {
+    return {std::min(law->stiffness().kn, max_contact_stiffness), std::min(law->stiffness().kt, max_contact_stiffness)};
+  }
   // Stiffness of links and of contact points for the added mass. The factor with friction is there because sliding
   // friction depends on the normal force.
   double stiffest() const { return with_friction(law->stiffness()); }
@@ -102,7 +104,7 @@ class PenaltyLinks {
   void add_force(Grid& grid, BondEnd* ends) const;
   // Updates the state of the traction law for the present positions, here and in the links of the store, and then adds
   // the forces. The positions are dt after the previous ones. Unchanged positions change no state.
-  void follow_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step);
+  void update_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step);
   // Power that the dampers dissipate. Their force is that of the stored velocity. Power::after() gives the power for a
   // velocity that is a time of the acceleration later.
   Power damper_power(const Grid& grid, const BondEnd* ends) const;
@@ -113,10 +115,10 @@ class PenaltyLinks {
   // Debonds the links of points that failed (slots, ascending; links of the store ascend in slot). Adds the energy that
   // they release to `released`. Returns the links of the store that were attached until now, ascending. With a law that
   // leaves residue they stay attached without a force: a failed point has no stress, and shares its nodes with the
-  // cement that separated from it. Debonded links count for the added mass until drop_inertia() is called.
+  // cement that separated from it. Debonded links count for the added mass until drop_added_mass() is called.
   std::vector<int> debond(PointStore& points, const std::vector<int>& failed, const Grid& grid, const BondEnd* ends, double dt,
                           double& released);
-  bool drop_inertia(PointStore& points);  // returns true if some debonded links counted until now
+  bool drop_added_mass(PointStore& points);  // returns true if some debonded links counted until now
   // Makes the blocks that a new layout would have, for unchanged points and nodes.
   void remove_dropped(const PointStore& points, const BondRecord& record);
   // Adds the row-summed stiffness of this rank's links, and of their dampers at this time step, to two numbers a node,
@@ -158,7 +160,7 @@ class PenaltyLinks {
 
   // One bit for each lane: the link is attached; the link counts for the added mass.
   struct LinkFlags {
-    std::uint8_t attached = 0, inert = 0;
+    std::uint8_t attached = 0, has_added_mass = 0;
   };
 
   struct Gaps {
@@ -193,15 +195,15 @@ class PenaltyLinks {
   template <class L>
   vd energy(const L& law, std::size_t block, const Grid& grid, const BondEnd& s) const;
   template <class L>
-  static vd taken_in_step(const L& law, const typename L::State& before, const typename L::State& after, const vd* delta, const vd* n,
-                          const vd* v, double dt);
+  static vd energy_loss_in_step(const L& law, const typename L::State& before, const typename L::State& after, const vd* delta, const vd* n,
+                                const vd* v, double dt);
   template <class L>
-  vd energy_of_ending(const L& law, std::size_t block, const Grid& grid, const BondEnd& s, double dt) const;
+  vd energy_at_debonding(const L& law, std::size_t block, const Grid& grid, const BondEnd& s, double dt) const;
   template <class L>
   typename L::State state(const L&, std::size_t block) const;
   void release(std::size_t block, std::uint8_t freed, vd energy, bool is_residue, PointStore& points, double& released);
   void take_states(const PointStore& points);
-  // Neither this nor add_force_of() is inlined, so that forces are bitwise identical with and without follow_block().
+  // Neither this nor add_force_of() is inlined, so that forces are bitwise identical with and without update_block().
   template <class Type>
   __attribute__((noinline)) void compute_gap(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, vd* q,
                                              vd* delta, vd* n) const;
@@ -212,7 +214,7 @@ class PenaltyLinks {
   __attribute__((noinline)) void add_force_of(const L& law, std::size_t block, const Weights<Type>& w, const vd* q, const vd* delta,
                                               const vd* n, Grid& grid, BondEnd& s) const;
   template <class L, class Type>
-  void follow_block(const L& law, std::size_t block, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, PointStore& points,
+  void update_block(const L& law, std::size_t block, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, PointStore& points,
                     const Grid& grid, const BondEnd& s, double dt, LinkStep& step);
   // Velocity of the cement relative to the grain where the links act.
   template <class Type>
@@ -231,11 +233,11 @@ class PenaltyLinks {
   SharedList<LinkBlock> blocks_;
   SharedList<int> columns_;
   SharedList<int> layers_;
-  std::vector<LinkFlags> holding_;  // one for each block
-  std::vector<vd> states_;          // states of the traction law, its fields for each block; equal to those of the store
-  std::vector<Gaps> moves_;         // moves of the links of each block in this step, `kinematics updated` only
-  std::vector<Gaps> created_;       // positions of the links of each block at creation; empty: where they act
-  std::vector<vd> dampers_;         // damping coefficient over sqrt(k), for each block; empty without damping
+  std::vector<LinkFlags> link_flags_;  // one for each block
+  std::vector<vd> states_;             // states of the traction law, its fields for each block; equal to those of the store
+  std::vector<Gaps> moves_;            // moves of the links of each block in this step, `kinematics updated` only
+  std::vector<Gaps> created_;          // positions of the links of each block at creation; empty: where they act
+  std::vector<vd> dampers_;            // damping coefficient over sqrt(k), for each block; empty without damping
   // Centres of the grains at creation, and the rotations from their frames to the axes of the bond.
   double centre_[2][3] = {};
   Mat3<double> orientation_[2];

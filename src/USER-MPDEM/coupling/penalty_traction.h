@@ -17,7 +17,7 @@ class PenaltyTraction final : public TractionLawOf<PenaltyTraction> {
   struct State {};
 
   explicit PenaltyTraction(TractionStiffness stiffness, const LawValues& = {}) : TractionLawOf(stiffness) {}
-  static std::vector<LawWord> words() { return {}; }
+  static std::vector<LawOption> words() { return {}; }
 
   TractionSecant secant(const LinkSeparation&, State) const { return {splat(stiffness().kn), splat(stiffness().kt)}; }
   vd energy(const LinkSeparation& delta, State s) const { return secant(delta, s).energy(delta); }

@@ -18,7 +18,7 @@ double RelativeDamping::rate(double thickness, double critical_share, double she
   return critical_share * 2.0 * M_PI * shear_speed / thickness;
 }
 
-std::vector<char> nodes_held(const PointStore& points, Grid& grid) {
+std::vector<char> connected_grains_of_nodes(const PointStore& points, Grid& grid) {
   const std::vector<int> row = grid.ties.row_of_each(grid.size());
   // A copy that is constrained to a single node moves with it.
   const auto that_moves = [&](int i) {

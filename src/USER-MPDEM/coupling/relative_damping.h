@@ -30,9 +30,9 @@ namespace mpdem {
 // which points with this node in their support were connected at the last check of their bond. Points that failed since
 // then count, so the result is the same until the next check. A copy that is constrained to a single node has the bits
 // of that node.
-std::vector<char> nodes_held(const PointStore& points, Grid& grid);
+std::vector<char> connected_grains_of_nodes(const PointStore& points, Grid& grid);
 
-// s of each node. Below 0 for a fragment, which follows no grain. held: nodes_held() of a separated bond, else empty.
+// s of each node. Below 0 for a fragment, which follows no grain. held: connected_grains_of_nodes() of a separated bond, else empty.
 std::vector<double> shares_of_second_grain(const Grid& grid, const BondRecord& record, const std::vector<char>& held);
 
 // Damping of one bond. `ends` points to end 0 of the bond. End 1 follows it.
@@ -42,7 +42,7 @@ class RelativeDamping : public BondMechanism {
   // critical_share: share of critical damping. Nothing is damped before follow_grains().
   RelativeDamping(const BondRecord& record, double critical_share, double shear_speed);
   void follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) override;
-  void add_damping(const BondAtWork& b) override { add_force(b.grid, b.ends); }
+  void add_damping(const BondContext& b) override { add_force(b.grid, b.ends); }
   void add_damping_power(const Grid& grid, const BondEnd* ends, Power& sum) const override { sum.add(power(grid, ends)); }
   static double rate(double thickness, double critical_share, double shear_speed);
 

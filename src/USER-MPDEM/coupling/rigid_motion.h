@@ -47,7 +47,7 @@ inline void add_to_grain(const double* r, const double* f, double scale, double*
 }
 inline void add_to_grain(const double* r, const double* f, double scale, BondEnd& s) { add_to_grain(r, f, scale, s.force, s.torque); }
 
-inline void take_from_grain(const vd* r, const vd* f, BondEnd& s) {
+inline void subtract_from_grain(const vd* r, const vd* f, BondEnd& s) {
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, g = (d + 2) % 3;
     s.force[d] -= sum_lanes(f[d]);

@@ -11,7 +11,7 @@ namespace mpdem {
 
 namespace {
 
-void take_from_grain(const double* r, const double* f, double scale, BondEnd& s) {
+void subtract_from_grain(const double* r, const double* f, double scale, BondEnd& s) {
   add_to_grain(r, f, -scale, s);
   add_to_grain(r, f, -scale, s.impulse, s.impulse + 3);
 }
@@ -24,28 +24,28 @@ void SharedImpulse::follow_grains(const Grid& grid, const BondRecord& record, co
 }
 
 // If nothing failed, the mass is bitwise that of the nodes.
-void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double density) {
+void SharedImpulse::find_intact_mass(const PointStore& points, const Grid& grid, double density) {
   if (stale_) {
     const bool some_failed = points.any_failed();
     here_.clear();
     if (some_failed || grid.halo.shares_any()) {
-      here_ = grid.mass_here(points, density, true);
+      here_ = grid.local_mass(points, density, true);
       grid.ties.add_to_mass_receivers(here_.data(), 1);
     }
     stale_ = false;
   }
-  holding_ = here_;
+  intact_mass_ = here_;
 }
 
-double SharedImpulse::layer_held(const Grid& grid, int node) const {
-  return holding_.empty() || grid.mass[node] == 0.0 ? 1.0 : std::min(1.0, holding_[node] / grid.mass[node]);
+double SharedImpulse::intact_share(const Grid& grid, int node) const {
+  return intact_mass_.empty() || grid.mass[node] == 0.0 ? 1.0 : std::min(1.0, intact_mass_[node] / grid.mass[node]);
 }
 
 void SharedImpulse::add_moments(const Grid& grid, const BondEnd* ends, EndMoments* of_ends) const {
   const std::vector<char>& counts = grid.halo.counts_here();
   for (int i = 0; i < grid.size(); ++i) {
     if (share_[i] < 0.0 || !counts[i] || grid.mass[i] == 0.0) continue;
-    const double share[2] = {1.0 - share_[i], share_[i]}, mass = layer_held(grid, i) * grid.mass[i];
+    const double share[2] = {1.0 - share_[i], share_[i]}, mass = intact_share(grid, i) * grid.mass[i];
     for (int s = 0; s < 2; ++s) {
       double r[3];
       lever_arm(grid, i, ends[s], r);
@@ -63,7 +63,7 @@ void SharedImpulse::apply_impulse(Grid& grid, BondEnd* ends, const AddedMass& ad
   for (int i = 0; i < grid.size(); ++i) {
     while (extra != shares.end() && extra->node < i) ++extra;
     if (share_[i] < 0.0) continue;
-    const double held = layer_held(grid, i), mass = held * grid.mass[i];
+    const double held = intact_share(grid, i), mass = held * grid.mass[i];
     const double share[2] = {1.0 - share_[i], share_[i]};
     double r[2][3], of_grain[2][3], a[3], *f = &grid.force[3 * i];
     for (int s = 0; s < 2; ++s) {
@@ -74,7 +74,7 @@ void SharedImpulse::apply_impulse(Grid& grid, BondEnd* ends, const AddedMass& ad
       a[d] = share[0] * of_grain[0][d] + share[1] * of_grain[1][d];
       f[d] += force_[3 * i + d] = mass * a[d];
     }
-    for (int s = 0; s < 2 && counts[i]; ++s) take_from_grain(r[s], a, share[s] * mass, ends[s]);
+    for (int s = 0; s < 2 && counts[i]; ++s) subtract_from_grain(r[s], a, share[s] * mass, ends[s]);
     if (extra == shares.end() || extra->node != i) continue;
     for (int s = 0; s < 2; ++s) {
       double relative[3];
@@ -83,7 +83,7 @@ void SharedImpulse::apply_impulse(Grid& grid, BondEnd* ends, const AddedMass& ad
         f[d] += held * extra->mass[s] * relative[d];
         force_[3 * i + d] += held * extra->mass[s] * relative[d];
       }
-      if (counts[i]) take_from_grain(r[s], relative, held * extra->mass[s], ends[s]);
+      if (counts[i]) subtract_from_grain(r[s], relative, held * extra->mass[s], ends[s]);
     }
   }
 }

@@ -34,13 +34,13 @@ class SharedImpulse : public BondMechanism {
  public:
   // Must be called before the first impulse.
   void follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) override;
-  void points_failed(const BondAtWork&, const std::vector<int>&, const std::vector<int>&, Losses&) override { stale_ = true; }
+  void points_failed(const BondContext&, const std::vector<int>&, const std::vector<int>&, Losses&) override { stale_ = true; }
   // Forgets the last impulse, which acts only at the end of its step.
-  void add_force(const BondAtWork&, Losses&) override { force_.clear(); }
+  void add_force(const BondContext&, Losses&) override { force_.clear(); }
   // Finds the nodal mass of the intact points of this rank. Call it before an impulse. The caller sums holding() over
   // the ranks that share nodes.
-  void weigh(const PointStore& points, const Grid& grid, double density);
-  std::vector<double>& holding() { return holding_; }
+  void find_intact_mass(const PointStore& points, const Grid& grid, double density);
+  std::vector<double>& intact_mass() { return intact_mass_; }
 
   // Adds the moments of the mass of the nodes that this rank counts: about each grain with the masses m (1-s)^2 and m
   // s^2, and shared with the mass m s (1-s).
@@ -51,15 +51,15 @@ class SharedImpulse : public BondMechanism {
   // Power of the last impulse, at the nodes that this rank counts.
   double load_power(const Grid& grid, const std::vector<double>& velocity) const override;
   std::size_t memory_usage() const override {
-    return (share_.capacity() + holding_.capacity() + here_.capacity() + force_.capacity()) * sizeof(double);
+    return (share_.capacity() + intact_mass_.capacity() + here_.capacity() + force_.capacity()) * sizeof(double);
   }
 
  private:
-  double layer_held(const Grid& grid, int node) const;
+  double intact_share(const Grid& grid, int node) const;
 
-  std::vector<double> share_;           // share s of grain 1; below 0: no grain
-  std::vector<double> holding_, here_;  // nodal mass of intact points, on all ranks and on this rank; empty: the mass of the nodes
-  std::vector<double> force_;           // forces of the last impulse on the nodes
+  std::vector<double> share_;               // share s of grain 1; below 0: no grain
+  std::vector<double> intact_mass_, here_;  // nodal mass of intact points, on all ranks and on this rank; empty: the mass of the nodes
+  std::vector<double> force_;               // forces of the last impulse on the nodes
   bool stale_ = true;
 };
 

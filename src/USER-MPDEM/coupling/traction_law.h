@@ -14,7 +14,7 @@
 //                          rise from 0, in a link that was never loaded, to 1. The first is the damage of the link.
 //   kLeavesResidue         see TractionLaw::leaves_residue()
 //   State                  these variables for eight links: kFields times a vd
-//   words()                the options after its name, see LawWord; the constructor gets the stiffness and their values
+//   words()                the options after its name, see LawOption; the constructor gets the stiffness and their values
 //   secant(delta, state)   stiffness kn and kt, at most stiffness(), of the traction kn delta_n n + kt delta_t
 //   energy(delta, state)   per area, stored
 //
@@ -73,7 +73,7 @@ class TractionLaw {
   // True if a link stays attached when its point fails. The failed point is then residue on the grain without force,
   // and the crack is inside the cement.
   virtual bool leaves_residue() const = 0;
-  // Values of its options, in their order, at most LinksSoFar::kMostParameters. Later runs must have the same values.
+  // Values of its options, in their order, at most LinkSettings::kMostParameters. Later runs must have the same values.
   virtual std::vector<double> parameters() const { return {}; }
   // Lengths that cells must resolve. Empty if there are none.
   virtual std::vector<SofteningLength> softening_lengths(const VtiConstants&) const { return {}; }

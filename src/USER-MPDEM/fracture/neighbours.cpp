@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "crevice.h"
+#include "unbonded_gap.h"
 
 namespace mpdem {
 

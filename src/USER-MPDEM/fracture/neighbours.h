@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Finds the neighbours of the points of a bond: points whose lattice cells share a face. Intact neighbours are
-// connected. Points on the two sides of an unbonded gap (crevice.h), none of them in the middle, are neighbours only if
+// connected. Points on the two sides of an unbonded gap (unbonded_gap.h), none of them in the middle, are neighbours only if
 // their material touches. Separation (separation.h) and ligament (ligament.h) of a bond use these neighbours.
 #ifndef MPDEM_FRACTURE_NEIGHBOURS_H
 #define MPDEM_FRACTURE_NEIGHBOURS_H
@@ -23,8 +23,8 @@ struct CrackPoint {
   bool attached[2];      // attached to this grain; a failed point is residue on the grain
   double link_area[2];   // projected area of its links, debonded ones too
   float link_damage[2];  // largest damage of its links to this grain, 0 if the traction law has no damage
-  int nearer;            // its side of an unbonded gap: the grain, by nearer_side() of bond_record.h
-  bool middle;           // belongs to both sides, in_the_middle() of bond_record.h
+  int nearer;            // its side of an unbonded gap: the grain, by nearer_grain() of bond_record.h
+  bool middle;           // belongs to both sides, is_equidistant() of bond_record.h
   float above[2];        // distance from the surface of each grain
   int connected = 3;     // PointRecord::connected
 };

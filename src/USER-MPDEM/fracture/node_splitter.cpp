@@ -82,11 +82,11 @@ void NodeSplitter::for_each_neighbour(int i, F f) const {
   }
 }
 
-NodeChange NodeSplitter::start(PhantomNodes& copies, const Crevice& crevice) {
-  crevice_ = &crevice;
+NodeChange NodeSplitter::start(PhantomNodes& copies, const UnbondedGap& unbonded_gap) {
+  unbonded_gap_ = &unbonded_gap;
   std::vector<int> all(by_base_);
   NodeChange change = split(nodes_of(all), copies);
-  crevice_ = nullptr;
+  unbonded_gap_ = nullptr;
   copies.start();
   find_continuations(copies);
   return change;
@@ -137,11 +137,11 @@ void NodeSplitter::add_nodes_split_by(int i, const PhantomNodes& copies, std::ve
         if (PhantomNodes::copy_of(*row, points_[around.point[q]].layer) != mine) mask &= ~(1u << q);
       }
     }
-    if (!around.hang_together(mask)) nodes.push_back(n);
+    if (!around.are_connected(mask)) nodes.push_back(n);
   });
 }
 
-NodeChange NodeSplitter::come_apart(const std::vector<OfPiece>& pieces, PhantomNodes& copies) {
+NodeChange NodeSplitter::split_pieces(const std::vector<OfPiece>& pieces, PhantomNodes& copies) {
   std::vector<OfPiece> sorted(pieces);
   const auto by_tag = [](const OfPiece& a, const OfPiece& b) { return a.tag < b.tag; };
   std::sort(sorted.begin(), sorted.end(), by_tag);
@@ -176,9 +176,9 @@ NodeChange NodeSplitter::split(const std::vector<GridIndex>& nodes, PhantomNodes
 
 // True if `to` may be in the component of `from`. All points of a component have the same side and piece where these
 // count, so its first point represents them.
-bool NodeSplitter::is_way(int from, int to) const {
+bool NodeSplitter::may_connect(int from, int to) const {
   const SplitterPoint &a = points_[from], &b = points_[to];
-  return a.piece == b.piece && !(apart_ && a.nearer != b.nearer);
+  return a.piece == b.piece && !(sides_split_ && a.nearer != b.nearer);
 }
 
 // Splits each copy of a node whose points are not connected.
@@ -187,7 +187,8 @@ void NodeSplitter::examine(const GridIndex& node, const PhantomNodes& copies) {
   if (const PhantomNodes::Row* row = copies.row(node))
     for_each_point(node, [&](int p) { groups[PhantomNodes::copy_of(*row, points_[p].layer)].push_back(p); });
   else for_each_point(node, [&](int p) { groups[0].push_back(p); });
-  apart_ = crevice_ && crevice_->found && !std::binary_search(crevice_->joined.begin(), crevice_->joined.end(), node);
+  sides_split_ =
+      unbonded_gap_ && unbonded_gap_->found && !std::binary_search(unbonded_gap_->joined.begin(), unbonded_gap_->joined.end(), node);
   int next = groups.empty() ? 0 : groups.rbegin()->first + 1;
   if (const PhantomNodes::Row* row = copies.row(node))  // copies without points keep their numbers
     for (const PhantomNodes::Entry& e : *row) next = std::max(next, e.copy + 1);
@@ -204,7 +205,7 @@ void NodeSplitter::split_group(const GridIndex& node, const std::vector<int>& gr
     seen_[first] = c;
     for (std::size_t n = 0; n < components[c].size(); ++n)
       for_each_neighbour(components[c][n], [&](int j) {
-        if (seen_[j] != kIn || points_[j].failed || !is_way(first, j)) return;
+        if (seen_[j] != kIn || points_[j].failed || !may_connect(first, j)) return;
         seen_[j] = c;
         components[c].push_back(j);
       });
@@ -250,7 +251,7 @@ std::array<double, 3> NodeSplitter::position_from_middle(int i) const {
 
 // True if point i is assigned to component a rather than b, which are at equal distance, by the criteria of
 // phantom_nodes.h. They let mirrored and rotated cracks split alike.
-bool NodeSplitter::goes_with(int i, int a, int b) const {
+bool NodeSplitter::prefers_component(int i, int a, int b) const {
   if (middles_[a].size != middles_[b].size) return middles_[a].size > middles_[b].size;
   long long distance[2] = {0, 0};
   for (int d = 0; d < 3; ++d) {
@@ -284,7 +285,7 @@ void NodeSplitter::grow(const std::vector<int>& group) {
       for_each_neighbour(i, [&](int j) {
         if (seen_[j] != kIn) return;
         const auto c = claims.emplace(j, seen_[i]).first;
-        if (goes_with(j, seen_[i], c->second)) c->second = seen_[i];
+        if (prefers_component(j, seen_[i], c->second)) c->second = seen_[i];
       });
     front.clear();
     for (const auto& c : claims) {
@@ -397,7 +398,7 @@ int NodeSplitter::free_layer(const Class& c, const std::vector<RowNow*>& rows) c
 // Finds continuations from the layers of each cell, which have one copy of each node of its support.
 void NodeSplitter::find_continuations(PhantomNodes& copies) const {
   constexpr int kUnknown = -2, kNone = -1;
-  PhantomNodes::Towards& continuations = copies.continuations();
+  PhantomNodes::Continuations& continuations = copies.continuations();
   continuations.clear();
   const auto entry = [&](const GridIndex& node, int first) -> std::array<int, 6>& {
     std::vector<PhantomNodes::Continuation>& row = continuations[node];

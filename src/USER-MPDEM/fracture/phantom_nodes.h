@@ -7,7 +7,7 @@
 // share a face. At a crack tip such a path leads around the tip, and the node is whole. The cement of one grain may run
 // close to that of the other without touching it, as coatings do beyond the ring in which they meet. There nodes are
 // split from the start: faces of lattice cells between the two sides connect points only if the material reaches them
-// (touches()), and only at nodes where enough of it does (crevice.h). Copies never merge.
+// (touches()), and only at nodes where enough of it does (unbonded_gap.h). Copies never merge.
 //
 // Nodes are duplicated by material, not by position, as in the phantom-node method (A. Hansbo, P. Hansbo, Comput.
 // Methods Appl. Mech. Engrg. 193, 2004, 3523-3540).
@@ -42,7 +42,7 @@
 
 #include "../mpm/basis.h"
 #include "../numerics/grid_index.h"
-#include "crevice.h"
+#include "unbonded_gap.h"
 
 namespace mpdem {
 
@@ -81,13 +81,13 @@ class PhantomNodes {
     int first;
     std::array<int, 6> to;
   };
-  using Towards = std::unordered_map<GridIndex, std::vector<Continuation>, GridIndexHash, SameGridIndex>;
-  Towards& continuations() { return continuations_; }
-  const Towards& continuations() const { return continuations_; }
+  using Continuations = std::unordered_map<GridIndex, std::vector<Continuation>, GridIndexHash, SameGridIndex>;
+  Continuations& continuations() { return continuations_; }
+  const Continuations& continuations() const { return continuations_; }
 
  private:
   Rows rows_;
-  Towards continuations_;  // for nodes that are split at the start, and for their neighbours
+  Continuations continuations_;  // for nodes that are split at the start, and for their neighbours
 };
 
 // A point of the bond, as NodeSplitter needs it.
@@ -128,9 +128,9 @@ class NodeSplitter {
   };
   NodeSplitter(std::vector<SplitterPoint> points, Basis basis, const Line& line);
   NodeSplitter(std::vector<SplitterPoint> points, Basis basis) : NodeSplitter(std::move(points), basis, Line()) {}
-  // Splits nodes at the start. In a bond with an unbonded gap (crevice.h) the two sides are not connected at nodes that
+  // Splits nodes at the start. In a bond with an unbonded gap (unbonded_gap.h) the two sides are not connected at nodes that
   // are not joined.
-  NodeChange start(PhantomNodes& copies, const Crevice& crevice = {});
+  NodeChange start(PhantomNodes& copies, const UnbondedGap& unbonded_gap = {});
   // Splits nodes after the points with these tags failed.
   NodeChange fail(const std::vector<int>& tags, PhantomNodes& copies);
   // Splits nodes after separation. pieces: the piece (separation.h) to which each point of the bond is assigned. Points
@@ -138,7 +138,7 @@ class NodeSplitter {
   struct OfPiece {
     int tag, piece;
   };
-  NodeChange come_apart(const std::vector<OfPiece>& pieces, PhantomNodes& copies);
+  NodeChange split_pieces(const std::vector<OfPiece>& pieces, PhantomNodes& copies);
   // Finds the volumes of the copies from these points, after others left the simulation. Returns all split nodes.
   std::vector<GridIndex> leave(PhantomNodes& copies) const;
   const std::vector<SplitterPoint>& points() const { return points_; }
@@ -166,7 +166,7 @@ class NodeSplitter {
   std::vector<GridIndex> nodes_of(const std::vector<int>& points) const;
   void add_nodes_split_by(int point, const PhantomNodes& copies, std::vector<GridIndex>& nodes) const;
   NodeChange split(const std::vector<GridIndex>& nodes, PhantomNodes& copies);
-  bool is_way(int from, int to) const;
+  bool may_connect(int from, int to) const;
   double volume_at(const GridIndex& node, const std::vector<int>& points) const;
   void share_volume(const GridIndex& node, const std::vector<int>& group, int copy, int next, const PhantomNodes& copies,
                     const std::vector<std::vector<int>>& components, const std::vector<int>& rank);
@@ -174,7 +174,7 @@ class NodeSplitter {
   void split_group(const GridIndex& node, const std::vector<int>& group, int copy, int& next, const PhantomNodes& copies);
   void find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank);
   std::array<double, 3> position_from_middle(int i) const;
-  bool goes_with(int i, int a, int b) const;
+  bool prefers_component(int i, int a, int b) const;
   void grow(const std::vector<int>& group);
   NodeChange colour(PhantomNodes& copies);
   int free_layer(const Class& c, const std::vector<RowNow*>& rows) const;
@@ -191,15 +191,15 @@ class NodeSplitter {
   std::vector<int> by_base_;              // points
   std::unordered_map<GridIndex, std::pair<int, int>, GridIndexHash, SameGridIndex> base_;  // range in by_base_ of the points with a base
   // State while a node is examined.
-  std::vector<int> seen_;             // one number for each point
-  const Crevice* crevice_ = nullptr;  // set during start() alone
+  std::vector<int> seen_;                      // one number for each point
+  const UnbondedGap* unbonded_gap_ = nullptr;  // set during start() alone
   struct Middle {
     int size;
     long long sum[3];    // sum of the cells
     double position[3];  // along the line of centres and across, from the middle between the grains
   };
   std::vector<Middle> middles_;                           // centres of the components of a copy
-  bool apart_ = false;                                    // the two sides of a gap are not connected at this node
+  bool sides_split_ = false;                              // the two sides of a gap are not connected at this node
   std::map<int, std::map<GridIndex, int>> wanted_;        // by point and node: the new copy
   std::map<GridIndex, std::map<int, double>> split_now_;  // by node and new copy: the volume
 };

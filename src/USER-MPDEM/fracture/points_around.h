@@ -34,15 +34,15 @@ class NodeSplitter::Around {
       for (int q = 0; q < kPlaces; ++q) {
         const int there = axis(q, face / 2) + (face % 2 == 0 ? -1 : 1);
         if (point[q] < 0 || there < 0 || there > 2 || point[q + step(face)] < 0) continue;
-        paths_[face] |= static_cast<unsigned>(is_way(point[q], point[q + step(face)], face)) << q;
+        paths_[face] |= static_cast<unsigned>(may_connect(point[q], point[q + step(face)], face)) << q;
       }
       const int beside = kMiddle + step(face);
-      if (point[beside] >= 0 && is_way(i, point[beside], face)) faces |= 1u << beside;
+      if (point[beside] >= 0 && may_connect(i, point[beside], face)) faces |= 1u << beside;
     }
   }
 
   // True if those points of the mask that share a face with the middle point are connected over points of the mask.
-  bool hang_together(unsigned mask) const {
+  bool are_connected(unsigned mask) const {
     const unsigned ends = faces & mask;
     if ((ends & (ends - 1)) == 0) return true;
     unsigned reached = ends & -ends;
@@ -61,7 +61,7 @@ class NodeSplitter::Around {
 
  private:
   static int axis(int q, int d) { return d == 0 ? q / 9 : d == 1 ? q / 3 % 3 : q % 3; }
-  bool is_way(int a, int b, int face) const { return p_[a].piece == p_[b].piece && connected(p_[a], p_[b], face); }
+  bool may_connect(int a, int b, int face) const { return p_[a].piece == p_[b].piece && connected(p_[a], p_[b], face); }
   const std::vector<SplitterPoint>& p_;
   unsigned paths_[6] = {};
 };

@@ -24,11 +24,11 @@ struct Piece {
 
 // The material to which a point is assigned: that attached to the first grain (bit 0), to the second (bit 1), or a
 // loose piece, by its rank.
-struct Goes {
+struct Assignment {
   int held = 0, loose = kNone;
   static constexpr int kNone = std::numeric_limits<int>::max();
   bool anywhere() const { return held != 0 || loose != kNone; }
-  void join(const Goes& other) {
+  void join(const Assignment& other) {
     held |= other.held;
     loose = std::min(loose, other.loose);
   }
@@ -36,9 +36,9 @@ struct Goes {
 
 // Spreads assignments from cell to cell, within a layer or across layers, until every point that can be reached has
 // one. Fronts advance together: a point is assigned to all material at its least number of steps.
-void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool across, std::vector<Goes>& goes) {
+void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool across, std::vector<Assignment>& goes) {
   std::vector<int> front, next;
-  std::vector<Goes> claim(goes.size());
+  std::vector<Assignment> claim(goes.size());
   for (int i : near.order())
     if (goes[i].anywhere()) front.push_back(i);
   while (!front.empty()) {
@@ -153,16 +153,16 @@ std::vector<Piece> find_pieces(const Neighbours& near, const std::vector<CrackPo
   return pieces;
 }
 
-bool is_held(const Piece& p) { return p.attached[0] || p.attached[1]; }
-bool counts(const Piece& p) { return is_held(p) || p.points >= kLeastLoose; }
-int layer_held(int side, int layer) { return side == 1 && layer == 0 ? 1 : layer; }
+bool is_attached(const Piece& p) { return p.attached[0] || p.attached[1]; }
+bool counts(const Piece& p) { return is_attached(p) || p.points >= kLeastLoose; }
+int layer_at_grain(int side, int layer) { return side == 1 && layer == 0 ? 1 : layer; }
 
 // Finds the material of each piece, and the layers of loose pieces by their rank. Layers only ever split, so that new
 // nodes can take over the motion of the old ones. Attached pieces keep their layer, except that those of layer 0 at the
 // second grain become layer 1. Loose pieces become new layers, from 2 on: the largest first, and of equal ones that
 // with the least tag. A loose piece keeps its layer if that is 2 or more and has no other piece that counts. Layers 0
 // and 1 follow their grains.
-std::vector<Goes> rank_pieces(const std::vector<Piece>& pieces, int next, std::vector<int>& loose_part) {
+std::vector<Assignment> rank_pieces(const std::vector<Piece>& pieces, int next, std::vector<int>& loose_part) {
   std::map<int, int> holders;  // by layer: number of pieces in it that count
   for (const Piece& p : pieces) holders[p.layer] += counts(p);
   std::vector<int> ranked(pieces.size());
@@ -170,12 +170,12 @@ std::vector<Goes> rank_pieces(const std::vector<Piece>& pieces, int next, std::v
   std::sort(ranked.begin(), ranked.end(), [&](int a, int b) {
     return pieces[a].points != pieces[b].points ? pieces[a].points > pieces[b].points : pieces[a].least_tag < pieces[b].least_tag;
   });
-  std::vector<Goes> of_piece(pieces.size());
+  std::vector<Assignment> of_piece(pieces.size());
   loose_part.assign(pieces.size(), -1);
   for (std::size_t rank = 0; rank < ranked.size(); ++rank) {
     const Piece& p = pieces[ranked[rank]];
-    Goes& goes = of_piece[ranked[rank]];
-    if (is_held(p)) {
+    Assignment& goes = of_piece[ranked[rank]];
+    if (is_attached(p)) {
       goes.held = p.attached[0] ? 1 : 2;
     } else if (counts(p)) {
       goes.loose = static_cast<int>(rank);
@@ -189,7 +189,7 @@ std::vector<Goes> rank_pieces(const std::vector<Piece>& pieces, int next, std::v
 int residue_on(const CrackPoint& p) { return p.failed ? p.attached[0] + 2 * p.attached[1] : 0; }
 
 // Adds the area between two points. It counts at the height half way between them.
-void count_between(const CrackPoint& a, const CrackPoint& b, double area, double reach, SeparatingSurface& surface) {
+void count_between(const CrackPoint& a, const CrackPoint& b, double area, double reach, FractureSurface& surface) {
   bool at[2];
   for (int g = 0; g < 2; ++g) at[g] = 0.5 * (a.above[g] + b.above[g]) < reach;
   if (!at[0] && !at[1]) surface.inside += area;
@@ -200,8 +200,8 @@ void count_between(const CrackPoint& a, const CrackPoint& b, double area, double
 // Finds the fracture surface. side: grains to which pieces and residue are attached, spread to all points. Links of
 // residue are intact. So the cement separates beside the residue, or through it if it is on both grains.
 void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points, const std::vector<Piece>& pieces, const double* face_area,
-                  const std::vector<Goes>& side, double reach, Separation& result) {
-  const bool held = std::any_of(pieces.begin(), pieces.end(), is_held) || std::any_of(points.begin(), points.end(), residue_on);
+                  const std::vector<Assignment>& side, double reach, Separation& result) {
+  const bool held = std::any_of(pieces.begin(), pieces.end(), is_attached) || std::any_of(points.begin(), points.end(), residue_on);
   const bool loose = std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return p.points >= kLeastLoose; });
   if (!held && loose)  // all links to both grains debonded between two calls
     for (const CrackPoint& p : points)
@@ -243,8 +243,8 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   result.separated = true;
   std::vector<int> piece_of, loose_part;
   const std::vector<Piece> pieces = find_pieces(near, points, piece_of);
-  const std::vector<Goes> of_piece = rank_pieces(pieces, next, loose_part);
-  std::vector<Goes> goes(n), side(n);
+  const std::vector<Assignment> of_piece = rank_pieces(pieces, next, loose_part);
+  std::vector<Assignment> goes(n), side(n);
   result.holds.assign(n, 0);
   for (int i = 0; i < n; ++i) {
     if (piece_of[i] >= 0) result.holds[i] = pieces[piece_of[i]].attached[0] + 2 * pieces[piece_of[i]].attached[1];
@@ -256,16 +256,16 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   for (int i = 0; i < n; ++i) {
     const CrackPoint& p = points[i];
     result.between[i] = goes[i].held == 3;
-    if (goes[i].held != 0) result.piece[i] = layer_held(goes[i].held == 3 ? p.nearer : goes[i].held - 1, p.layer);
-    else if (goes[i].loose != Goes::kNone) result.piece[i] = loose_part[goes[i].loose];
-    else if (!again) result.piece[i] = layer_held(p.nearer, p.layer);  // no step reaches it
+    if (goes[i].held != 0) result.piece[i] = layer_at_grain(goes[i].held == 3 ? p.nearer : goes[i].held - 1, p.layer);
+    else if (goes[i].loose != Assignment::kNone) result.piece[i] = loose_part[goes[i].loose];
+    else if (!again) result.piece[i] = layer_at_grain(p.nearer, p.layer);  // no step reaches it
   }
   grow(near, points, true, side);
   find_surface(near, points, pieces, face_area, side, reach, result);
   return result;
 }
 
-std::vector<char> grains_held(const std::vector<CrackPoint>& points, int across) {
+std::vector<char> attached_grains(const std::vector<CrackPoint>& points, int across) {
   std::vector<int> piece_of;
   const std::vector<Piece> pieces = find_pieces(Neighbours(points, across), points, piece_of);
   std::vector<char> held(points.size());

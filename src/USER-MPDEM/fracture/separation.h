@@ -7,7 +7,7 @@
 //   and every loose piece of at least kLeastLoose points. Failed points and smaller fragments are assigned to the
 //   nearest of these in their layer, in steps from cell to cell. At equal distance a grain's material comes before a
 //   loose piece, and of two loose pieces the larger. Points at equal distance from the material of both grains are
-//   assigned to the grain whose surface is nearer (nearer_side() of bond_record.h). So are points that no step reaches
+//   assigned to the grain whose surface is nearer (nearer_grain() of bond_record.h). So are points that no step reaches
 //   at the first separation. Later such points keep their layer;
 // * the fracture surface lies where material assigned to the first grain meets that assigned to the second. This is
 //   inside the cement, or at a grain whose own links lead to material assigned to the other grain. An area inside that
@@ -31,7 +31,7 @@
 
 namespace mpdem {
 
-struct SeparatingSurface {
+struct FractureSurface {
   bool separated = false;
   double at_grain[2] = {0, 0}, inside = 0;  // projected areas: at each grain, and inside
 
@@ -48,7 +48,7 @@ struct SeparatingSurface {
   }
 };
 
-struct Separation : SeparatingSurface {
+struct Separation : FractureSurface {
   // New layer of each point, in the order given. It counts pieces, as CrackPoint::layer does.
   std::vector<int> piece;
   std::vector<char> between;  // for each point: true if it is at equal distance from the material of both grains
@@ -66,7 +66,7 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
 
 // For each point the bits of the grains to which its piece is attached now, whether the bond is separated or not. For a
 // failed point those of the grains on which it stays as residue. across: see Neighbours.
-std::vector<char> grains_held(const std::vector<CrackPoint>& points, int across);
+std::vector<char> attached_grains(const std::vector<CrackPoint>& points, int across);
 
 }  // namespace mpdem
 

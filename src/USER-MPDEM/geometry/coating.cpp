@@ -150,7 +150,7 @@ std::string Coating::describe() const {
 }
 
 ShapeStyle coating_style() {
-  return {"coating", {{"thickness"}, {"cap", ShapeWord::detail, 180.0}}, [](const ShapeRequest& r) -> std::unique_ptr<Shape> {
+  return {"coating", {{"thickness"}, {"cap", ShapeOption::detail, 180.0}}, [](const ShapeRequest& r) -> std::unique_ptr<Shape> {
             const double cap = r["cap"] == 180.0 ? M_PI : r["cap"] * kDegree;
             const double thickness = r.has("thickness") ? r["thickness"] : Coating::thickness_for_volume(r.pair, r.volume, cap, r.inner);
             return std::make_unique<Coating>(r.pair, thickness, cap, r.inner);

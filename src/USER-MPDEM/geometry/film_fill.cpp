@@ -76,7 +76,7 @@ class FilmFiller {
     for (int i = 0; i < kAlong; ++i)
       for (int j = 0; j < kAround; ++j) {
         const Column c = column(from + (to - from) * (i + 0.5) / kAlong, angle + 2.0 * M_PI / kSectors * ((j + 0.5) / kAround - 0.5));
-        for (int k = 0; k < kUp; ++k) sum += share_of_place(neighbours, c.end[0] + (k + 0.5) / kUp * (c.end[1] - c.end[0]));
+        for (int k = 0; k < kUp; ++k) sum += share_at(neighbours, c.end[0] + (k + 0.5) / kUp * (c.end[1] - c.end[0]));
       }
     return sum / (kAlong * kAround * kUp);
   }

@@ -120,7 +120,7 @@ std::string Hourglass::describe() const {
 }
 
 ShapeStyle hourglass_style() {
-  return {"hourglass", {{"outer"}, {"neck"}, {"waist", ShapeWord::detail, 0.8}}, [](const ShapeRequest& r) -> std::unique_ptr<Shape> {
+  return {"hourglass", {{"outer"}, {"neck"}, {"waist", ShapeOption::detail, 0.8}}, [](const ShapeRequest& r) -> std::unique_ptr<Shape> {
             const double waist = r["waist"];
             const double outer = r.has("outer")  ? r["outer"]
                                  : r.has("neck") ? r["neck"] / waist

@@ -105,7 +105,7 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Neig
       const Vector3 out = std::cos(theta) * pole + std::sin(theta) * (std::cos(phi) * e1 + std::sin(phi) * e2);
       const Vector3 x = pair.centre(side) + R * out;
       // Tested above the surface, where shapes begin.
-      const double part = neighbours.empty() ? 1.0 : share_of_place(neighbours, x + 1e-3 * spacing * out);
+      const double part = neighbours.empty() ? 1.0 : share_at(neighbours, x + 1e-3 * spacing * out);
       const double area = part * ring_area / around;
       all += ring_area / around;
       own += area;
@@ -205,7 +205,7 @@ bool leave_own(const Shape& shape, double spacing, const std::vector<Neighbour>&
   double whole, own;
   Vector3 centroid;
   const auto inside = [&](const Vector3& x) { return shape.inside(x) ? 1.0 : 0.0; };
-  const auto mine = [&](const Vector3& x) { return shape.inside(x) ? share_of_place(neighbours, x) : 0.0; };
+  const auto mine = [&](const Vector3& x) { return shape.inside(x) ? share_at(neighbours, x) : 0.0; };
   if (!sample_cell(spacing, cell, kSharedSamples, mine, own, centroid)) return false;
   Vector3 unused;
   sample_cell(spacing, cell, kSharedSamples, inside, whole, unused);
@@ -217,7 +217,7 @@ bool leave_own(const Shape& shape, double spacing, const std::vector<Neighbour>&
 
 }  // namespace
 
-double share_of_place(const std::vector<Neighbour>& neighbours, const Vector3& x) {
+double share_at(const std::vector<Neighbour>& neighbours, const Vector3& x) {
   const double own = x.squaredNorm();
   int ties = 1;
   for (const Neighbour& n : neighbours) {

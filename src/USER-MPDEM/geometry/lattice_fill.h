@@ -47,7 +47,7 @@ struct Neighbour {
 };
 
 // Share of a shape in the material at x, which must be inside the shape, in its coordinates.
-double share_of_place(const std::vector<Neighbour>& neighbours, const Vector3& x);
+double share_at(const std::vector<Neighbour>& neighbours, const Vector3& x);
 
 // Throws ShapeError if there would be `most` points or more, if the shape is too wide for the numbers of cells (1e9
 // along an axis), if no cell of the lattice is inside, if neighbours take all of the cement at the surface of a grain,

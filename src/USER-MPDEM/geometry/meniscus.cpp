@@ -153,7 +153,7 @@ std::string Meniscus::describe() const {
 
 ShapeStyle meniscus_style() {
   return {"meniscus",
-          {{"filling"}, {"neck"}, {"contact", ShapeWord::detail, 0.0, ShapeWord::not_negative}},
+          {{"filling"}, {"neck"}, {"contact", ShapeOption::detail, 0.0, ShapeOption::not_negative}},
           [](const ShapeRequest& r) -> std::unique_ptr<Shape> {
             const double contact = r["contact"] * kDegree;
             const double filling = r.has("filling") ? r["filling"] * kDegree

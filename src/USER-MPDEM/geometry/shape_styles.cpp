@@ -27,8 +27,8 @@ const ShapeStyle* shape_style(const std::string& name) {
   return nullptr;
 }
 
-const ShapeWord* ShapeStyle::word(const std::string& key) const {
-  const auto found = std::find_if(words.begin(), words.end(), [&](const ShapeWord& w) { return w.name == key; });
+const ShapeOption* ShapeStyle::word(const std::string& key) const {
+  const auto found = std::find_if(words.begin(), words.end(), [&](const ShapeOption& w) { return w.name == key; });
   return found == words.end() ? nullptr : &*found;
 }
 
@@ -36,8 +36,8 @@ std::unique_ptr<Shape> make_shape(const ShapeWords& words, const GrainPair& pair
   std::map<std::string, double> values = words.given;
   std::string sizes;
   std::size_t count = values.count("content");
-  for (const ShapeWord& w : words.style->words) {
-    if (w.role == ShapeWord::detail) {
+  for (const ShapeOption& w : words.style->words) {
+    if (w.role == ShapeOption::detail) {
       values.emplace(w.name, w.otherwise);
       continue;
     }

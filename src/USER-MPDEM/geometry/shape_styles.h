@@ -20,7 +20,7 @@ namespace mpdem {
 constexpr double kDegree = M_PI / 180.0;  // scripts give angles in degrees
 
 // An option of a shape that a number follows.
-struct ShapeWord {
+struct ShapeOption {
   enum Role { size, detail };  // exactly one of the sizes and `content` is given; a detail has a default
   enum Range { positive, not_negative };
   std::string name;
@@ -42,10 +42,10 @@ struct ShapeRequest {
 
 struct ShapeStyle {
   std::string name;
-  std::vector<ShapeWord> words;                                 // options besides `content`, which every shape has
+  std::vector<ShapeOption> words;                               // options besides `content`, which every shape has
   std::unique_ptr<Shape> (*make)(const ShapeRequest& request);  // throws ShapeError
 
-  const ShapeWord* word(const std::string& key) const;  // null if it has no option of that name
+  const ShapeOption* word(const std::string& key) const;  // null if it has no option of that name
 };
 
 // All styles, in the order of the table.

@@ -67,10 +67,11 @@ void LAMMPS::init() {
   original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS4initEv")(this);
 }
 
-void Output::setup(int memory_is_told) {
+void Output::setup(int memory_is_reported) {
   const AtomVecMpdem* cement = AtomVecMpdem::of(lmp);
-  if (memory_is_told == 0 && cement && !cement->bonds.table.empty()) mpdem::check_host(mpdem::kNoFix, {lmp, "run ... pre no: ", cement});
-  original<void (*)(Output*, int)>("_ZN9LAMMPS_NS6Output5setupEi")(this, memory_is_told);
+  if (memory_is_reported == 0 && cement && !cement->bonds.table.empty())
+    mpdem::check_host(mpdem::kNoFix, {lmp, "run ... pre no: ", cement});
+  original<void (*)(Output*, int)>("_ZN9LAMMPS_NS6Output5setupEi")(this, memory_is_reported);
 }
 
 AtomVec* Atom::new_avec(const char* style, char* suffix, int& sflag) {

@@ -13,7 +13,7 @@
 #include <algorithm>
 
 #include "../styles/atoms/atom_vec_mpdem.h"
-#include "../styles/atoms/grains_alone.h"
+#include "../styles/atoms/grains_only.h"
 #include "../styles/atoms/private_access.h"
 #include "error.h"
 #include "fix_contact_history_mesh.h"
@@ -27,7 +27,7 @@ namespace {
 using namespace LAMMPS_NS;
 
 // The same on all ranks.
-bool points_are_apart(LAMMPS* lmp) {
+bool points_are_excluded(LAMMPS* lmp) {
   const AtomVecMpdem* cement = AtomVecMpdem::of(lmp);
   return cement && cement->apart && !cement->bonds.table.empty() && lmp->neighbor->includegroup != 0;
 }
@@ -38,7 +38,7 @@ bool points_are_behind(const Atom& atom) { return atom.nfirst >= 0 && atom.nfirs
 
 // fix mpm applies the weight of points, and forces on their atoms have no effect. Their potential energy is added in
 // compute_scalar(). A variable of the gravity may depend on points.
-bool leaves_points_out(const FixGravity* gravity, LAMMPS* lmp) { return points_are_apart(lmp) && !mpdem::is_variable(gravity); }
+bool leaves_points_out(const FixGravity* gravity, LAMMPS* lmp) { return points_are_excluded(lmp) && !mpdem::is_variable(gravity); }
 
 }  // namespace
 
@@ -47,7 +47,7 @@ namespace LAMMPS_NS {
 // Clears only the flags in use. LIGGGHTS clears a whole page of them, 100 kB for each mesh.
 void FixContactHistoryMesh::markAllContacts() {
   static const auto of_all = mpdem::original<void (*)(FixContactHistoryMesh*)>("_ZN9LAMMPS_NS21FixContactHistoryMesh15markAllContactsEv");
-  if (!points_are_apart(lmp) || !points_are_behind(*atom)) return of_all(this);
+  if (!points_are_excluded(lmp) || !points_are_behind(*atom)) return of_all(this);
   keeppage_[0]->reset();
   intersectpage_[0]->reset();
   for (int i = 0; i < atom->nfirst; ++i) {
@@ -61,13 +61,13 @@ void FixContactHistoryMesh::markAllContacts() {
 }
 
 void FixContactHistoryMesh::cleanUpContacts() {
-  cleanUpContacts(0, points_are_apart(lmp) && points_are_behind(*atom) ? atom->nfirst : atom->nlocal);
+  cleanUpContacts(0, points_are_excluded(lmp) && points_are_behind(*atom) ? atom->nfirst : atom->nlocal);
 }
 
 void FixGravity::post_force(int vflag) {
   static const auto loop = mpdem::original<void (*)(FixGravity*, int)>("_ZN9LAMMPS_NS10FixGravity10post_forceEi");
   if (!leaves_points_out(this, lmp) || !points_are_behind(*atom)) return loop(this, vflag);
-  const mpdem::GrainsAlone alone(*atom);
+  const mpdem::GrainsOnly alone(*atom);
   loop(this, vflag);
 }
 

@@ -31,7 +31,7 @@ std::string Law::report_of_band(double cell) const {
   const ImpliedStrength s = implied_strength(elasticity_.constants.Ez);
   return text + text_of("; a crack takes ", band->energy * s.tensile_strength * s.onset_strain * length_, " per area in a band of ",
                         band->width * length_, ", ", band->width * length_ / cell, " cells",
-                        softens_by_place() ? "\n" : "; along a grain half of it\n");
+                        softens_by_position() ? "\n" : "; along a grain half of it\n");
 }
 
 }  // namespace mpdem

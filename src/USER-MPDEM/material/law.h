@@ -11,7 +11,7 @@
 //   kName, kFields        its name after `damage`; numbers that a point keeps, at most kMostFields.
 //                         All of them are 0 in a point without damage.
 //   State                 these numbers for eight points: kFields times a vd
-//   words()               the options after its name, see LawWord; the constructor takes their values
+//   words()               the options after its name, see LawOption; the constructor takes their values
 //   square_bound(stress, strain)       upper bound of Yeq^2 of undamaged points, without eigenvalues
 //   rough_bound(stress, strain)        upper bound of that, in few operations: most points go no further
 //   threshold()           B of undamaged points that touch no grain
@@ -108,9 +108,9 @@ class Law {
   // softening stays. Throws as set_crack_energy() does.
   virtual void set_nonlocal(double length, double /* G_f */) { length_ = length; }
   // Softening of a point at these distances from the surfaces of its grains, a number that only the law interprets.
-  // Called where softens_by_place().
+  // Called where softens_by_position().
   virtual double softening_at(double /* d0 */, double /* d1 */) const { return 0.0; }
-  virtual bool softens_by_place() const { return false; }
+  virtual bool softens_by_position() const { return false; }
   // Softening of a layer of this thickness between two grains that is strained evenly.
   virtual double softening_of_layer(double /* thickness */) const { return 0.0; }
   // Its curve in uniaxial tension, for the band that a length implies. Empty if the law has no curve.

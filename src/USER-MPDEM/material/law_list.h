@@ -38,7 +38,7 @@ constexpr int number_of(LawList<L, Rest...>) {
 }
 
 // An option of a script after the name of a law, with a number or one of `choices`.
-struct LawWord {
+struct LawOption {
   std::string name;
   bool (*allowed)(double);
   std::string range;                 // text "must ..." about the allowed numbers
@@ -68,7 +68,7 @@ inline bool is_in_0_1_with_1(double v) { return v > 0.0 && v <= 1.0; }
 // A law in a script: its name and its options.
 struct NamedLaw {
   std::string name;
-  std::vector<LawWord> words;
+  std::vector<LawOption> words;
 };
 
 }  // namespace mpdem

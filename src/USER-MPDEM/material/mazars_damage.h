@@ -33,7 +33,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
     vd kappa;
   };
 
-  static std::vector<LawWord> words() {
+  static std::vector<LawOption> words() {
     return {{"kappa0", is_positive, "must be greater than 0", "the equivalent strain at which damage starts", {}},
             {"At", is_in_0_1_with_1, "must lie in (0, 1]", "the share of the strength that softens to nothing", {}},
             {"Bt", is_positive, "must be greater than 0", "the rate of softening, one over a strain", {}},

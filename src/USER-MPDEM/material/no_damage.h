@@ -18,7 +18,7 @@ class NoDamage final : public LawOf<NoDamage> {
   struct State {};
 
   explicit NoDamage(const VtiElasticity& elasticity, const LawValues& = {}) : LawOf(elasticity) {}
-  static std::vector<LawWord> words() { return {}; }
+  static std::vector<LawOption> words() { return {}; }
 
   std::vector<double> values() const override { return {}; }
   ImpliedStrength implied_strength(double) const override {

@@ -50,7 +50,7 @@ double SurfaceBand::thin_exponent(double thickness) const {
 }
 
 double SurfaceBand::exponent(double d0, double d1) const {
-  if (!depends_on_place()) return middle_;
+  if (!depends_on_position()) return middle_;
   if (d0 + d1 < thin_) return thin_exponent(d0 + d1);
   const double far = std::clamp(2.0 * std::min(d0, d1) / thin_ - 1.0, 0.0, 1.0);
   return surface_ + far * (middle_ - surface_);

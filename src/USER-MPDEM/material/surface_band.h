@@ -38,7 +38,7 @@ class SurfaceBand {
   // energy, if no exponent spends the energy of a crack at a surface, see nonlocal_exponent().
   SurfaceBand(const DamageParameters& p, double length);
 
-  bool depends_on_place() const { return thin_ > 0.0; }
+  bool depends_on_position() const { return thin_ > 0.0; }
   // Exponent of a point at these distances from the surfaces of its grains.
   double exponent(double d0, double d1) const;
   double at_surface() const { return surface_; }

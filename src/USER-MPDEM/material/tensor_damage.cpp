@@ -131,7 +131,7 @@ double nonlocal_exponent(const DamageParameters& p, double G_f, double length) {
   return m;
 }
 
-std::vector<LawWord> TensorDamage::words() {
+std::vector<LawOption> TensorDamage::words() {
   return {{"B0", is_positive, "must be greater than 0", "the energy per volume at which damage starts", {}},
           {"cutoff", is_inside_0_1, "must lie between 0 and 1, both excluded", "", {}},
           {"evolution", nullptr, "", "", {"monotone", "full"}},

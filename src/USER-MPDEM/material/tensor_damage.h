@@ -74,14 +74,14 @@ class TensorDamage final : public LawOf<TensorDamage> {
   TensorDamage(const VtiElasticity& elasticity, const DamageParameters& parameters)
       : LawOf(elasticity), p_(parameters), surface_band_(parameters.exponent) {}
   TensorDamage(const VtiElasticity& elasticity, const LawValues& values);
-  static std::vector<LawWord> words();
+  static std::vector<LawOption> words();
 
   const DamageParameters& parameters() const { return p_; }
   // Exponent of points whose position does not matter, and of points at these distances from the surfaces of their
   // grains.
   double softening() const { return p_.exponent; }
   double softening_at(double d0, double d1) const override { return surface_band_.exponent(d0, d1); }
-  bool softens_by_place() const override { return surface_band_.depends_on_place(); }
+  bool softens_by_position() const override { return surface_band_.depends_on_position(); }
   double softening_of_layer(double thickness) const override {
     const double energy = crack_energy_ > 0.0 ? crack_energy_ : surface_band_.energy();
     return energy > 0.0 ? exponent_of_layer(p_, energy, thickness) : p_.exponent;

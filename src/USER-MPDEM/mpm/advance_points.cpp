@@ -47,7 +47,7 @@ void advance(PointStore& points, int first, int last, Grid& grid, const L& law, 
   double* force = grid.force.data();
   PointStress<L> stress_at_end(points, law, dt, options, grid.drive_limit, result);
   PassClock clock(result.ticks);
-  const auto scatter_waiting = [&](int b, const Sym3<vd>& stress) {
+  const auto scatter_deferred = [&](int b, const Sym3<vd>& stress) {
     const PointBlock& p = points.blocks[b];
     const BlockMeta& m = points.meta[b];
     with_gradient_weights<Type>(p, m, inverse_h,
@@ -62,9 +62,9 @@ void advance(PointStore& points, int first, int last, Grid& grid, const L& law, 
     clock.start();
     with_gradient_weights<Type>(points.blocks[b], m, inverse_h,
                                 [&](const auto& s) { advance_block(points, b, s, grid, force, dt, stress_at_end, clock); });
-    if (stress_at_end.full()) stress_at_end.settle(clock, scatter_waiting);
+    if (stress_at_end.full()) stress_at_end.flush(clock, scatter_deferred);
   }
-  stress_at_end.settle(clock, scatter_waiting);
+  stress_at_end.flush(clock, scatter_deferred);
 }
 
 template <class Type, class L>

@@ -74,7 +74,7 @@ void UpdatedPass::bind(const PointStore& points, const Grid& grid) {
 }
 
 void UpdatedPass::start(PointStore& points, const Grid& grid, int first_row) {
-  points.let_move();
+  points.start_motion();
   with_basis(grid.basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const BlockMeta& m = points.meta[b];
@@ -148,12 +148,12 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
   // Lanes that stayed in their cell, for each block whose stress is deferred (point_stress.h).
   std::uint8_t stayed[PointStress<L>::kMost];
   int waiting = 0, given = 0;
-  const auto give_waiting = [&](int b, const Sym3<vd>& stress) {
+  const auto scatter_deferred = [&](int b, const Sym3<vd>& stress) {
     give(points, b, weights_of<Type>(points, b, grid), lanes(stayed[given++]), stress, grid, density, transfer);
   };
   const auto settle = [&] {
     given = 0;
-    stress_at_end.settle(clock, give_waiting);
+    stress_at_end.flush(clock, scatter_deferred);
     waiting = 0;
   };
   const double keep_share = transfer.method == Transfer::flip ? transfer.flip_share : 0.0;
@@ -247,14 +247,14 @@ void UpdatedPass::relocate(PointStore& points, const Grid& grid, AdvanceResult& 
   if (moves_.empty()) return;
   const double inverse_h = 1.0 / grid.h, shift = cell_shift(grid.basis);
   bool linked = false;
-  on_the_way_.resize(moves_.size());
+  in_transit_.resize(moves_.size());
   hold_.clear();
   const int nowhere[3] = {0, 0, 0};
   for (std::size_t i = 0; i < moves_.size(); i += kLanes) hold_.add_block(0, 0, nowhere, grid.h, grid.basis);
-  hold_.let_move();
+  hold_.start_motion();
   for (std::size_t i = 0; i < moves_.size(); ++i) {
     const int from = moves_[i].from / kLanes, l = moves_[i].from % kLanes, row = points.meta[from].row, layer = points.meta[from].layer;
-    Traveller& t = on_the_way_[i];
+    MovingPoint& t = in_transit_[i];
     t.node = -1;
     bool finite = true;
     for (int d = 0; d < 3; ++d) {
@@ -277,7 +277,7 @@ void UpdatedPass::relocate(PointStore& points, const Grid& grid, AdvanceResult& 
   for (const Move& m : moves_)
     if (m.to < 0) linked = pack(points, grid, points.meta[m.from / kLanes].column[0]) || linked;
   for (std::size_t i = 0; i < moves_.size(); ++i) {
-    const Traveller& t = on_the_way_[i];
+    const MovingPoint& t = in_transit_[i];
     if (t.node < 0) continue;
     int to = first_in_cell_[t.node];
     while (to >= 0 && points.meta[to].occupied == 0xff) to = next_in_cell_[to];

@@ -42,7 +42,7 @@ class UpdatedPass {
   struct Move {
     int from, to;
   };
-  std::size_t blocks_when_arranged = 0;  // number of blocks that the last layout made; set by the caller
+  std::size_t blocks_of_layout = 0;  // number of blocks that the last layout made; set by the caller
   int crossings() const { return crossings_; }
   // True if a point is near the end of the margin. The grid then needs a new layout before the next step.
   bool layout_is_stale() const { return stale_; }
@@ -50,7 +50,7 @@ class UpdatedPass {
   int lost() const { return lost_; }
   std::size_t memory_usage() const {
     return sizeof(int) * (first_in_cell_.capacity() + next_in_cell_.capacity() + targets_.capacity()) +
-           sizeof(Move) * (moves_.capacity() + packed_.capacity()) + sizeof(Traveller) * on_the_way_.capacity() + hold_.memory_usage() +
+           sizeof(Move) * (moves_.capacity() + packed_.capacity()) + sizeof(MovingPoint) * in_transit_.capacity() + hold_.memory_usage() +
            fresh_.capacity();
   }
 
@@ -64,10 +64,10 @@ class UpdatedPass {
   // Linked lists of the blocks of each cell: first block by first node of the cell, next block by block; -1: none.
   std::vector<int> first_in_cell_, next_in_cell_;
   std::vector<Move> moves_, packed_;
-  struct Traveller {
+  struct MovingPoint {
     int node, base[3], column[kMostColumns];  // of the new cell; node is -1 if the grid has no such cell
   };
-  std::vector<Traveller> on_the_way_;
+  std::vector<MovingPoint> in_transit_;
   PointStore hold_;                  // buffer for points between their old and new block
   std::vector<int> targets_;         // blocks that received points
   std::vector<std::uint8_t> fresh_;  // lanes of each block that received points
@@ -76,7 +76,7 @@ class UpdatedPass {
 };
 
 // Makes the present configuration the reference of points that had `total` kinematics: X becomes the present position
-// and F the identity. The store must have a motion (PointStore::let_move), which keeps the original positions.
+// and F the identity. The store must have a motion (PointStore::start_motion), which keeps the original positions.
 void move_to_present(PointStore& points, const Grid& grid);
 
 }  // namespace mpdem

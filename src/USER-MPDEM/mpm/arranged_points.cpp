@@ -54,10 +54,10 @@ struct Plan {
 };
 
 // Merges partly filled blocks of cells in a row.
-class Joiner {
+class BlockMerger {
  public:
   // partial: plans of the blocks that are not full, in the order of their cells.
-  Joiner(const std::vector<Item>& items, std::vector<Plan>& plans, const std::vector<int>& partial)
+  BlockMerger(const std::vector<Item>& items, std::vector<Plan>& plans, const std::vector<int>& partial)
       : items_(items), plans_(plans), partial_(partial), gone_(plans.size(), 0) {}
 
   // Merges partial block a with those of the next cells along an axis, if their points fit into one block. Takes the
@@ -125,7 +125,7 @@ std::vector<Plan> plan_blocks(const std::vector<Item>& items, bool join) {
     plans.push_back(p);
   }
   if (!join) return plans;
-  Joiner joiner(items, plans, partial);
+  BlockMerger joiner(items, plans, partial);
   for (const int a : partial) joiner.join(a);
   std::size_t kept = 0;
   for (std::size_t b = 0; b < plans.size(); ++b)
@@ -136,7 +136,7 @@ std::vector<Plan> plan_blocks(const std::vector<Item>& items, bool join) {
 
 // Finds the lanes of the items of one cell, if these are in columns of a lattice (columns.h). The columns of a box are
 // numbered by the half of the cell in which they lie along x and y.
-void place_in_columns(Plan& p, const double (*X)[3], const double* middle) {
+void assign_column_lanes(Plan& p, const double (*X)[3], const double* middle) {
   int lane[kLanes];
   const double *height[2] = {}, *column[4] = {};
   bool box = true;
@@ -163,7 +163,7 @@ void place_in_columns(Plan& p, const double (*X)[3], const double* middle) {
 
 // Gives empty lanes the coordinate of the points in their group. A group without points gets the coordinate of another
 // group. Returns false and changes nothing if points of a group differ in this coordinate.
-bool share_places(vd& X, std::uint8_t occupied, const int (&group)[kLanes], int groups) {
+bool share_coordinates(vd& X, std::uint8_t occupied, const int (&group)[kLanes], int groups) {
   double place[4];
   unsigned found = 0;
   for (int l = 0; l < kLanes; ++l) {
@@ -187,10 +187,11 @@ void PointStore::find_lattice(int b) {
   m.lattice = Lattice::none;
   if (m.joined != kOneCell || !motion.empty()) return;
   vd(&X)[3] = blocks[b].X;
-  if (!share_places(X[2], m.occupied, height, 2)) return;
+  if (!share_coordinates(X[2], m.occupied, height, 2)) return;
   vd x = X[0], y = X[1];
-  if (share_places(x, m.occupied, first, 2) && share_places(y, m.occupied, second, 2)) m.lattice = Lattice::box;
-  else if (share_places(x = X[0], m.occupied, column, 4) && share_places(y = X[1], m.occupied, column, 4)) m.lattice = Lattice::columns;
+  if (share_coordinates(x, m.occupied, first, 2) && share_coordinates(y, m.occupied, second, 2)) m.lattice = Lattice::box;
+  else if (share_coordinates(x = X[0], m.occupied, column, 4) && share_coordinates(y = X[1], m.occupied, column, 4))
+    m.lattice = Lattice::columns;
   else return;
   X[0] = x;
   X[1] = y;
@@ -221,7 +222,7 @@ std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<in
       middle[d] = (items[p.first].base[d] + cell_middle(basis)) * cell;
       for (int n = 0; n < p.count; ++n) X[n][d] = blocks[items[p.first + n].slot / kLanes].X[d][items[p.first + n].slot % kLanes];
     }
-    place_in_columns(p, X, middle);
+    assign_column_lanes(p, X, middle);
   }
   std::vector<std::array<int, kLanes>> lanes_of;
   std::vector<Family> families;
@@ -246,7 +247,7 @@ std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<in
     const int home = is_home ? static_cast<int>(n) : next.copies_[n - plans.size()].home;
     const int layer = is_home ? families[home].first() : next.copies_[n - plans.size()].layer;
     next.add_block(items[plans[home].first].row, layer, families[home], cell, basis);
-    if (!motion.empty()) next.let_move();
+    if (!motion.empty()) next.start_motion();
     for (int l = 0; l < kLanes; ++l) {
       if (lanes_of[home][l] < 0) continue;
       const Item& item = items[lanes_of[home][l]];

@@ -16,7 +16,7 @@
 //   factors()       weights and gradients of eight points
 //   kAffine         h^2 over the second moment of the weights, sum w_I (X_I - X)^2; 0 if that moment depends on X
 //   kSteepest       maximum over t of sum_I (dN_I/dt)^2 / N_I, 0 if unbounded (eigenvalue_bound, largest_eigenvalue.h)
-//   kTiedBelow      a node at the edge with less than this share of the mass of the next node inside is constrained
+//   kConstrainedBelow      a node at the edge with less than this share of the mass of the next node inside is constrained
 //                   (extension_constraints.h)
 //   kMayJoinCells   true if a block may have points of several cells in a row; this does not pay with many nodes
 #ifndef MPDEM_MPM_BASIS_H
@@ -39,15 +39,15 @@ struct BasisList {
   static std::vector<std::string> names() { return {Type::kName...}; }
 };
 
-using Bases = BasisList<LinearTent, QuadraticBspline, CubicBspline>;
+using Bases = BasisList<LinearHat, QuadraticBspline, CubicBspline>;
 enum class Basis { linear, quadratic, cubic };  // index in the list
 
 constexpr int kMostColumns = Bases::kMostSupport * Bases::kMostSupport;
 
 template <class Type, class... Rest, class F>
-decltype(auto) with_place_in(BasisList<Type, Rest...>, int place, F& f) {
+decltype(auto) with_index_in(BasisList<Type, Rest...>, int place, F& f) {
   if constexpr (sizeof...(Rest) > 0) {
-    if (place > 0) return with_place_in(BasisList<Rest...>(), place - 1, f);
+    if (place > 0) return with_index_in(BasisList<Rest...>(), place - 1, f);
   }
   return f(Type());
 }
@@ -57,7 +57,7 @@ decltype(auto) with_place_in(BasisList<Type, Rest...>, int place, F& f) {
 // beside the work on a block.
 template <class F>
 decltype(auto) with_basis(Basis basis, F f) {
-  return with_place_in(Bases(), static_cast<int>(basis), f);
+  return with_index_in(Bases(), static_cast<int>(basis), f);
 }
 
 inline const char* name_of(Basis basis) {

@@ -22,7 +22,7 @@ namespace mpdem {
 struct BondEnd;
 
 // A bond during a step, in its own axes.
-struct BondAtWork {
+struct BondContext {
   PointStore& points;
   Grid& grid;
   BondEnd* ends;  // the first of its two ends; the second follows it
@@ -42,17 +42,17 @@ class BondMechanism {
   virtual ~BondMechanism() = default;
 
   // Called for points that failed in this step (slots, ascending), with the links of the store that debonded with them.
-  virtual void points_failed(const BondAtWork&, const std::vector<int>& /* slots */, const std::vector<int>& /* links */, Losses&) {}
+  virtual void points_failed(const BondContext&, const std::vector<int>& /* slots */, const std::vector<int>& /* links */, Losses&) {}
   // Called for links of the store that debonded from intact points.
-  virtual void links_debonded(const BondAtWork&, const std::vector<int>& /* links */, Losses&) {}
+  virtual void links_debonded(const BondContext&, const std::vector<int>& /* links */, Losses&) {}
 
   // Adds forces to nodes and grains. Nodes already have the forces of their points and links. Constrained nodes have
   // not passed theirs to their masters yet.
-  virtual void add_force(const BondAtWork&, Losses&) {}
+  virtual void add_force(const BondContext&, Losses&) {}
   // Adds forces to nodes whose forces include those of all ranks and of the nodes constrained to them.
-  virtual void add_damping(const BondAtWork&) {}
+  virtual void add_damping(const BondContext&) {}
   // Adds forces to nodes whose other forces are complete. Collective among the ranks that share the nodes.
-  virtual void add_contact(const BondAtWork&) {}
+  virtual void add_contact(const BondContext&) {}
   // Adds row sums of the stiffness, two numbers a node, for the added mass. See PenaltyLinks::add_stiffness().
   virtual void add_stiffness(const Grid&, const BondEnd*, double* /* penalty */) const {}
 
@@ -64,7 +64,7 @@ class BondMechanism {
   virtual void add_damping_power(const Grid&, const BondEnd*, Power&) const {}
   virtual void add_friction_power(const Grid&, Power&) const {}
 
-  // Called when the grains to which nodes are connected changed. held: nodes_held() of coupling/relative_damping.h,
+  // Called when the grains to which nodes are connected changed. held: connected_grains_of_nodes() of coupling/relative_damping.h,
   // empty for a bond that is not separated.
   virtual void follow_grains(const Grid&, const BondRecord&, const std::vector<char>& /* held */) {}
   // Returns what is wrong with the state, or an empty text. Collective among the ranks that share the nodes.

@@ -37,14 +37,14 @@ struct BondRecord {
   double axis[3] = {0, 0, 0};           // direction of its axis, in the box
   bool in_motion = false;               // a step was taken; displacements are those of the nodes
   bool condensed = false;               // displacements follow from those of the grains, see coupling/condensed_bond.h
-  double calm = 0.0;                    // time for which its pieces have been at rest, see cement/step/condensing.h
+  double rest_time = 0.0;               // time for which its pieces have been at rest, see cement/step/condensing.h
   double volume = 0;
   double spacing = 0;             // spacing of the lattice of points
   double lattice[3] = {0, 0, 0};  // a corner of the lattice, in reference coordinates
   bool regular = true;            // points of full cells lie in the middle of their cells
   double thickness = 0;           // largest thickness of the cement between the grains; 0: film alone
   int points = 0;
-  int pattern = 0;                // number of its point template, from 1, until its points are made (point_template.h); else 0
+  int point_template = 0;         // number of its point template, from 1, until its points are made (point_template.h); else 0
   bool wants_points = false;      // points must be made before the next step
   int home = 0;                   // 1 + rank that has its points; 0: each point is on the rank of its position (cement/bond/work_shares.h)
   bool left[2] = {false, false};  // the grain left the scene, see cement/step/departures.h
@@ -72,7 +72,7 @@ struct BondRecord {
     visit("the direction of its axis", b.axis, kFinite);
     visit("'is in motion'", b.in_motion);
     visit("'is condensed'", b.condensed);
-    visit("the time its pieces were at rest", b.calm, kNotNegative);
+    visit("the time its pieces were at rest", b.rest_time, kNotNegative);
     visit("its volume", b.volume, kNotNegative);
     // Across the grains there are at most as many cells as an int can count.
     const double widest = 2.0 * (b.radius[0] + b.radius[1]);
@@ -81,7 +81,7 @@ struct BondRecord {
     visit("'is regular'", b.regular);
     visit("its thickness", b.thickness, from(0.0, widest));
     visit("its number of points", b.points, kCount);
-    visit("its pattern", b.pattern, kCount);
+    visit("its template", b.point_template, kCount);
     visit("'wants points'", b.wants_points);
     visit("the rank that has its points", b.home, kCount);
     for (auto& l : b.left) visit("'has left' of a grain", l);
@@ -116,13 +116,13 @@ inline double nearer_to_first(const BondRecord& record, const double* X) { retur
 
 inline double rounding_of_positions(const BondRecord& record) { return 1e-6 * record.spacing; }
 // True if both surfaces are equally near up to rounding.
-inline bool in_the_middle(const BondRecord& record, double nearer_to_first) {
+inline bool is_equidistant(const BondRecord& record, double nearer_to_first) {
   return std::fabs(nearer_to_first) <= rounding_of_positions(record);
 }
 
 // The grain (0 or 1) with the smaller coordinate along that axis of the bond that is nearest to the line of centres,
 // the first of equally near ones (geometry/bond_axes.h). So the result does not depend on the order of the grains.
-inline int side_behind(const BondRecord& record) {
+inline int grain_behind(const BondRecord& record) {
   constexpr double kAlike = 1e-3;
   double ahead[3], square = 0.0;
   for (int d = 0; d < 3; ++d) {
@@ -135,9 +135,9 @@ inline int side_behind(const BondRecord& record) {
   return ahead[nearest] < 0.0;
 }
 
-// The grain (0 or 1) whose surface is nearer; side_behind() in the middle.
-inline int nearer_side(const BondRecord& record, double nearer_to_first) {
-  return in_the_middle(record, nearer_to_first) ? side_behind(record) : nearer_to_first < 0.0;
+// The grain (0 or 1) whose surface is nearer; grain_behind() in the middle.
+inline int nearer_grain(const BondRecord& record, double nearer_to_first) {
+  return is_equidistant(record, nearer_to_first) ? grain_behind(record) : nearer_to_first < 0.0;
 }
 
 // The points of a bond are in layers. Each layer has nodes of its own, which are a field of the grid. The layer of a

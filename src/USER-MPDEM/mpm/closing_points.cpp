@@ -88,16 +88,16 @@ ClosingPoints::Crack ClosingPoints::crack_of_block(const Block& b, const Mat3<vd
       of_cof += cof.a[i][j] * cof.a[i][j];
     }
   constexpr double kMostSquare = kMostDistorted * kMostDistorted;
-  c.sound = (J > 0.0) & (of_F < kMostSquare) & (of_cof < kMostSquare * J * J) & (b.K > 0.0);
-  const vd inverse = 1.0 / select(c.sound, J, splat(1.0));
+  c.undistorted = (J > 0.0) & (of_F < kMostSquare) & (of_cof < kMostSquare * J * J) & (b.K > 0.0);
+  const vd inverse = 1.0 / select(c.undistorted, J, splat(1.0));
   vd square{};
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) c.inverse_transposed.a[i][j] = inverse * cof.a[i][j];
     c.across[i] = c.inverse_transposed.a[i][0] * b.n0[0] + c.inverse_transposed.a[i][1] * b.n0[1] + c.inverse_transposed.a[i][2] * b.n0[2];
     square += c.across[i] * c.across[i];
   }
-  c.lambda = 1.0 / sqrt(select(c.sound, square, splat(1.0)));
-  c.closed = c.sound & (c.lambda < b.lambda_0);
+  c.lambda = 1.0 / sqrt(select(c.undistorted, square, splat(1.0)));
+  c.closed = c.undistorted & (c.lambda < b.lambda_0);
   c.overlap = select(c.closed, b.lambda_0 - c.lambda, vd{});
   for (int j = 0; j < 3; ++j)
     c.back[j] = c.inverse_transposed.a[0][j] * c.across[0] + c.inverse_transposed.a[1][j] * c.across[1] +
@@ -114,7 +114,7 @@ void ClosingPoints::for_each_block(Blocks& blocks, const PointStore& points, con
         Mat3<vd> D = gather_gradient(grid.displacement.data(), m.column, w);
         for (int i = 0; i < 3; ++i) D.a[i][i] += 1.0;
         const Crack c = crack_of_block(b, D);
-        if (b.stuck || any(c.closed | (~c.sound & (b.K > 0.0)))) f(b, w, c, D);
+        if (b.carried_shear || any(c.closed | (~c.undistorted & (b.K > 0.0)))) f(b, w, c, D);
       });
     }
   });
@@ -161,21 +161,21 @@ double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& bef
   const Shear first = shear_of(points, b, before, was_closed);
   const vmask closes = now.closed & ~before.closed & old;
   if (any(closes)) {
-    points.let_slip();
+    points.start_slip();
     for (int i = 0; i < 3; ++i) {
       vd& slip = points.slip[b.block].at[i];
       slip = select(closes, b.n0[i] - before.lambda * before.lambda * before.back[i] - b.gamma_f[i], slip);
     }
   }
   // A crack that opens slides until it has no shear.
-  shear = shear_of(points, b, now, now.closed | (now.sound & was_closed));
+  shear = shear_of(points, b, now, now.closed | (now.undistorted & was_closed));
   const vd size =
       G_ * sqrt(shear.traction[0] * shear.traction[0] + shear.traction[1] * shear.traction[1] + shear.traction[2] * shear.traction[2]);
   const vd most = friction_ * pressure(b, now);
   const vmask slides = size > (1.0 + 1e-9) * most;  // 1e-9: rounding is no slip
   if (!any(slides)) return 0.0;
   const vd share = select(slides, 1.0 - most / size, vd{});
-  points.let_slip();
+  points.start_slip();
   vd taken{};
   for (int i = 0; i < 3; ++i) {
     const vd slip = share * shear.e[i];
@@ -191,7 +191,7 @@ Losses ClosingPoints::add_force(PointStore& points, Grid& grid, double dt) {
   Losses losses;
   for_each_block(blocks_, points, grid, [&](Block& b, const auto& w, const Crack& c, const Mat3<vd>& F) {
     const int* column = points.meta[b.block].column;
-    const vmask lost = ~c.sound & (b.K > 0.0);
+    const vmask lost = ~c.undistorted & (b.K > 0.0);
     Shear shear{};
     if (dt > 0.0 && (friction_ > 0.0 || any(lost))) {
       const Mat3<vd> rate = gather_gradient(grid.velocity.data(), column, w);
@@ -204,7 +204,7 @@ Losses ClosingPoints::add_force(PointStore& points, Grid& grid, double dt) {
     } else {
       shear = shear_of(points, b, c, c.closed);
     }
-    b.stuck = friction_ > 0.0 && any(c.closed);
+    b.carried_shear = friction_ > 0.0 && any(c.closed);
     if (any(c.closed)) scatter_gradient(grid.force.data(), column, w, weighted_piola(points, b, c, shear));
   });
   for (Block& b : blocks_) b.fresh = 0;
@@ -246,12 +246,12 @@ double ClosingPoints::energy(const PointStore& points, const Grid& grid) const {
   return sum;
 }
 
-void ClosingPoints::points_failed(const BondAtWork& b, const std::vector<int>& slots, const std::vector<int>&, Losses& losses) {
+void ClosingPoints::points_failed(const BondContext& b, const std::vector<int>& slots, const std::vector<int>&, Losses& losses) {
   add(b.points, *undamaged_, slots);
   losses.released -= energy_at_beginning(b.points, b.grid, slots, b.dt);
 }
 
-void ClosingPoints::add_force(const BondAtWork& b, Losses& losses) {
+void ClosingPoints::add_force(const BondContext& b, Losses& losses) {
   const Losses of_step = add_force(b.points, b.grid, b.dt);
   losses.released += of_step.released;
   losses.frictional += of_step.frictional;

@@ -56,8 +56,8 @@ class ClosingPoints : public BondMechanism {
   // Adds the points of these slots (ascending), which failed in this step.
   void add(const PointStore& points, const VtiElasticity& undamaged, const std::vector<int>& failed);
 
-  void points_failed(const BondAtWork& b, const std::vector<int>& slots, const std::vector<int>& links, Losses& losses) override;
-  void add_force(const BondAtWork& b, Losses& losses) override;
+  void points_failed(const BondContext& b, const std::vector<int>& slots, const std::vector<int>& links, Losses& losses) override;
+  void add_force(const BondContext& b, Losses& losses) override;
   void add_energy(const PointStore& points, const Grid& grid, const BondEnd* ends, double& of_points, double& of_coupling) const override;
 
   // Adds the forces to the nodes, whose last displacement is dt times their velocity. With dt = 0 nothing slips. Must
@@ -79,10 +79,10 @@ class ClosingPoints : public BondMechanism {
     vd n0[3], K, lambda_0;  // K is zero in intact lanes
     vd gamma_f[3];
     std::uint8_t fresh;  // lanes that failed in this step
-    bool stuck;          // a crack of the block may have carried shear in the last step
+    bool carried_shear;  // a crack of the block may have carried shear in the last step
   };
   struct Crack {
-    vmask sound, closed;          // lanes that are not too distorted; those of them whose crack is closed
+    vmask undistorted, closed;    // lanes that are not too distorted; those of them whose crack is closed
     vd overlap, lambda;           // overlap: lambda_0 - lambda where it is closed, else 0
     vd across[3], back[3];        // F^-T n0, F^-1 F^-T n0
     Mat3<vd> inverse_transposed;  // F^-T

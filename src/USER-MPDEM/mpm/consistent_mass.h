@@ -33,7 +33,7 @@ void add_consistent_mass(const PointStore& points, const Grid& grid, double dens
 // Inertial force of one bond. Caches the row sums of M until points fail.
 class ConsistentMass : public BondMechanism {
  public:
-  void points_failed(const BondAtWork&, const std::vector<int>&, const std::vector<int>&, Losses&) override { row_sums_.clear(); }
+  void points_failed(const BondContext&, const std::vector<int>&, const std::vector<int>&, Losses&) override { row_sums_.clear(); }
   // Sets Grid::inertial_force to (M_L - M) a with the acceleration a of the nodes. M and M_L are those of unfailed
   // points of this rank.
   void find_inertial_force(const PointStore& points, Grid& grid, double density);

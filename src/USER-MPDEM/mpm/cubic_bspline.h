@@ -14,7 +14,7 @@ struct CubicBspline {
   static constexpr int kSupport = 4;
   static constexpr double kShift = 1.0;   // base = floor(X/h - kShift)
   static constexpr double kMiddle = 1.5;  // of the cell, from base
-  static constexpr double kAffine = 3.0, kSteepest = 3.14, kTiedBelow = 0.05;
+  static constexpr double kAffine = 3.0, kSteepest = 3.14, kConstrainedBelow = 0.05;
   static constexpr bool kMayJoinCells = false;
 
   // t = X/h - base in [1, 2]

@@ -40,7 +40,7 @@ bool is_near_threshold(const PointStore& points, const Law& law) {
 
 namespace {
 
-int count_holding(const PointStore& points) {
+int count_intact(const PointStore& points) {
   int count = 0;
   for (const BlockMeta& m : points.meta) count += __builtin_popcount(m.occupied & ~m.failed);
   return count;
@@ -49,13 +49,13 @@ int count_holding(const PointStore& points) {
 }  // namespace
 
 bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, const Imperfection& imperfection) {
-  const int count = count_holding(points);
-  const bool anew = !points_stand_ || grid.drive_average.empty() || count != holding_;
+  const int count = count_intact(points);
+  const bool anew = !points_fixed_ || grid.drive_average.empty() || count != holding_;
   if (anew) {
     of_points_.find(points, grid);
-    counted_.resize(points.blocks.size());
-    for (std::size_t b = 0; b < counted_.size(); ++b)
-      counted_[b] = points.blocks[b].volume * imperfection.of_root(points.created_at(static_cast<int>(b)));
+    counted_volumes_.resize(points.blocks.size());
+    for (std::size_t b = 0; b < counted_volumes_.size(); ++b)
+      counted_volumes_[b] = points.blocks[b].volume * imperfection.of_root(points.created_at(static_cast<int>(b)));
   }
   holding_ = count;
   sum_.assign(grid.size() + ScalarSums::kRoom, 0.0);
@@ -64,7 +64,7 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, c
     if constexpr (L::kFields > 0)
       of_points_.add_values(
           [&](int b) {
-            return counted_[b] * (points.knows_root_of_norm(b) ? points.root_of_norm[b] : root_of_norm(l, points.blocks[b].strain));
+            return counted_volumes_[b] * (points.knows_root_of_norm(b) ? points.root_of_norm[b] : root_of_norm(l, points.blocks[b].strain));
           },
           sum_.data());
   });
@@ -108,7 +108,7 @@ double DriveAverage::largest(const PointStore& points, const Grid& grid) {
 }
 
 double DriveAverage::largest_to_come(const PointStore& points, const Grid& grid) const {
-  return points_stand_ ? largest(points, grid) : std::numeric_limits<double>::infinity();
+  return points_fixed_ ? largest(points, grid) : std::numeric_limits<double>::infinity();
 }
 
 void DriveAverage::find_limits(const PointStore& points, Grid& grid, const Law& law, double largest) {

@@ -75,7 +75,7 @@ class DriveAverage {
   // Sets whether points keep their reference positions (default: no). If so, start() finds their weights anew only if a
   // point failed since the last start(), or if the grid has no average. The grid has none after its nodes or
   // constraints changed, and these change whenever points get other lanes or blocks.
-  void let_points_stand(bool stand) { points_stand_ = stand; }
+  void set_points_fixed(bool stand) { points_fixed_ = stand; }
   // Scatters the roots of the norms to the nodes. Returns true if the weights are new. Then find_volumes() must follow.
   bool start(const PointStore& points, Grid& grid, const Law& law, const Imperfection& imperfection);
   // Finds the volumes of the nodes from the points of this rank. For a bond on several ranks it must always follow
@@ -100,15 +100,15 @@ class DriveAverage {
   double* sums() { return sum_.data(); }
   std::size_t memory_usage() const {
     return (volume_.capacity() + inverse_volume_.capacity() + sum_.capacity() + mean_.capacity()) * sizeof(double) +
-           counted_.capacity() * sizeof(vd) + of_points_.memory_usage();
+           counted_volumes_.capacity() * sizeof(vd) + of_points_.memory_usage();
   }
 
  private:
-  bool points_stand_ = false;
+  bool points_fixed_ = false;
   std::vector<double> inverse_volume_;       // one number a node
   std::vector<double> volume_, sum_, mean_;  // the same, padded, see scalar_sums.h
   bool volume_is_new_ = false;               // inverse_volume_ is not updated yet
-  std::vector<vd> counted_;                  // of each block: volumes times the factor of the imperfection
+  std::vector<vd> counted_volumes_;          // of each block: volumes times the factor of the imperfection
   int holding_ = -1;                         // number of unfailed points of this rank in of_points_
   ScalarSums of_points_;
 };

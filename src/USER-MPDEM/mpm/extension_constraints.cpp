@@ -16,10 +16,10 @@ namespace mpdem {
 
 namespace {
 
-// Thresholds of mass. kTiedBelow of the basis is relative to the mass of the next node. None is near the ratios of a
+// Thresholds of mass. kConstrainedBelow of the basis is relative to the mass of the next node. None is near the ratios of a
 // lattice with full cells, so rounding decides nothing.
-double tied_below(Basis basis) {
-  return with_basis(basis, [](auto type) { return decltype(type)::kTiedBelow; });
+double constrained_below(Basis basis) {
+  return with_basis(basis, [](auto type) { return decltype(type)::kConstrainedBelow; });
 }
 constexpr double kSecond = 2.0;  // the second node must have at least so many times the mass of the constrained one
 constexpr double kAlike = 1e-6;
@@ -61,7 +61,7 @@ class Resolver {
     const auto known = done_.find(k);
     if (known != done_.end()) return known->second;
     ExtensionConstraint t;
-    t.slave = k;
+    t.constrained = k;
     std::map<Key, double> weights, shares;
     const double share = 1.0 / directions_of(codes_.at(k));
     for_each_term(next_, k, codes_.at(k), [&](const Key& master, double weight, bool next) {
@@ -91,13 +91,13 @@ class Resolver {
 
 // Codes of the nodes of this rank. All ranks that have a node find the same code, since sums over ranks are equal on
 // all of them (halo_sum.h).
-std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& nodes) {
+std::vector<double> find_codes(MPI_Comm comm, Basis basis, const EdgeNodes& nodes) {
   const std::vector<Key>& keys = nodes.keys;
   const std::vector<double>& mass = nodes.mass;
   double mine = 0.0, most;
   for (double m : mass) mine = std::max(mine, m);
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
-  const double below = tied_below(basis);
+  const double below = constrained_below(basis);
   std::vector<Key> wanted;
   std::vector<int> candidates;
   for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -133,7 +133,7 @@ std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& node
 
 }  // namespace
 
-std::vector<ExtensionConstraint> find_extension_constraints(MPI_Comm comm, Basis basis, const TiedNodes& nodes) {
+std::vector<ExtensionConstraint> find_extension_constraints(MPI_Comm comm, Basis basis, const EdgeNodes& nodes) {
   const std::vector<Key>& keys = nodes.keys;
   const std::vector<double> own = find_codes(comm, basis, nodes);
   std::map<Key, Code> codes;
@@ -246,15 +246,16 @@ void ExtensionConstraints::bind(const std::vector<ExtensionConstraint>& ties, co
     return n;
   };
   for (const ExtensionConstraint& t : ties) {
-    slave_.push_back(node(t.slave));
+    constrained_.push_back(node(t.constrained));
     for (const auto& h : t.mass_receivers) mass_receivers_.add(node(h.first), h.second);
     mass_receivers_.end_row();
     for (const auto& m : t.masters) masters_.add(node(m.first), m.second);
     masters_.end_row();
   }
-  if (!slave_.with([this](const auto* slaves) { return std::is_sorted(slaves, slaves + slave_.size()); }))
+  if (!constrained_.with(
+          [this](const auto* constrained_nodes) { return std::is_sorted(constrained_nodes, constrained_nodes + constrained_.size()); }))
     throw std::logic_error("ties that are not in the order of their nodes");
-  slave_.shrink_to_fit();
+  constrained_.shrink_to_fit();
   mass_receivers_.shrink_to_fit();
   masters_.shrink_to_fit();
   if (chained) bind_chain(ties, keys);
@@ -285,30 +286,30 @@ void ExtensionConstraints::bind_chain(const std::vector<ExtensionConstraint>& ti
   }
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return depth[a] < depth[b]; });
   for (int t : order) {
-    chain_slave_.push_back(slave_[t]);
+    chain_constrained_.push_back(constrained_[t]);
     for (const auto& b : behind[t]) chain_.add(b.first, b.second);
     chain_.end_row();
   }
-  chain_slave_.shrink_to_fit();
+  chain_constrained_.shrink_to_fit();
   chain_.shrink_to_fit();
 }
 
 void ExtensionConstraints::renumber(const std::vector<int>& new_index) {
-  slave_.renumber(new_index);
+  constrained_.renumber(new_index);
   masters_.renumber(new_index);
   mass_receivers_.renumber(new_index);
-  chain_slave_.renumber(new_index);
+  chain_constrained_.renumber(new_index);
   chain_.renumber(new_index);
 }
 
 void ExtensionConstraints::append(const ExtensionConstraints& other, int row) {
-  slave_.push_back(other.slave_[row]);
+  constrained_.push_back(other.constrained_[row]);
   masters_.append(other.masters_, row);
   mass_receivers_.append(other.mass_receivers_, row);
 }
 
 void ExtensionConstraints::append_with_weights(const ExtensionConstraints& other, int first, int end) {
-  slave_.append(other.slave_, first, end);
+  constrained_.append(other.constrained_, first, end);
   masters_.append_with_weights(other.masters_, first, end);
   mass_receivers_.append_with_weights(other.mass_receivers_, first, end);
 }
@@ -327,13 +328,13 @@ bool ExtensionConstraints::exchange(const std::vector<int>& nodes, const std::ve
     t = end;
   };
   for (int node : nodes) {
-    while (f < static_cast<int>(fresh.size()) && fresh.slave_[f] < node) {
-      keep_until(rows_before(fresh.slave_[f]));
+    while (f < static_cast<int>(fresh.size()) && fresh.constrained_[f] < node) {
+      keep_until(rows_before(fresh.constrained_[f]));
       next.append(fresh, f++);
     }
     keep_until(rows_before(node));
-    const int row = f < static_cast<int>(fresh.size()) && fresh.slave_[f] == node ? f : -1;
-    if (t < static_cast<int>(size()) && slave_[t] == node) {
+    const int row = f < static_cast<int>(fresh.size()) && fresh.constrained_[f] == node ? f : -1;
+    if (t < static_cast<int>(size()) && constrained_[t] == node) {
       const bool is_edge = masters_.length(t) > 1;
       const bool same = row >= 0 && masters_.same_nodes(t, fresh.masters_, row) && masters_.same_weights(t, fresh.masters_, row) &&
                         mass_receivers_.same_nodes(t, fresh.mass_receivers_, row);
@@ -343,7 +344,7 @@ bool ExtensionConstraints::exchange(const std::vector<int>& nodes, const std::ve
     if (row >= 0) next.append(fresh, f++);
   }
   while (f < static_cast<int>(fresh.size())) {
-    keep_until(rows_before(fresh.slave_[f]));
+    keep_until(rows_before(fresh.constrained_[f]));
     next.append(fresh, f++);
   }
   keep_until(static_cast<int>(size()));
@@ -352,9 +353,9 @@ bool ExtensionConstraints::exchange(const std::vector<int>& nodes, const std::ve
 }
 
 std::vector<ExtensionConstraint> ExtensionConstraints::by_key(const std::vector<Key>& keys) const {
-  std::vector<ExtensionConstraint> ties(slave_.size());
+  std::vector<ExtensionConstraint> ties(constrained_.size());
   for (std::size_t t = 0; t < size(); ++t) {
-    ties[t].slave = keys[slave_[t]];
+    ties[t].constrained = keys[constrained_[t]];
     masters_.for_each(t, [&](int node, double weight) { ties[t].masters.emplace_back(keys[node], weight); });
     mass_receivers_.for_each(t, [&](int node, double share) { ties[t].mass_receivers.emplace_back(keys[node], share); });
   }
@@ -398,11 +399,11 @@ struct One {
 
 template <class T>
 void ExtensionConstraints::gather_to_masters_as(double* values) const {
-  (is_chained() ? chain_slave_ : slave_).with([&](const auto* slaves) {
+  (is_chained() ? chain_constrained_ : constrained_).with([&](const auto* constrained_nodes) {
     (is_chained() ? chain_ : masters_).for_each_row(is_chained(), [&, values](int row, int length, const auto* node, const double* weight) {
-      double* slave = values + T::kWidth * static_cast<long>(slaves[row]);
-      const T v = T::load(slave);
-      T{}.store(slave);
+      double* constrained = values + T::kWidth * static_cast<long>(constrained_nodes[row]);
+      const T v = T::load(constrained);
+      T{}.store(constrained);
       for (int n = 0; n < length; ++n) {
         double* master = values + T::kWidth * static_cast<long>(node[n]);
         T sum = T::load(master);
@@ -417,19 +418,19 @@ void ExtensionConstraints::gather_to_masters(double* values) const { gather_to_m
 void ExtensionConstraints::gather_scalars_to_masters(double* values) const { gather_to_masters_as<One>(values); }
 
 void ExtensionConstraints::scale_by_weight_sums(double* values) const {
-  slave_.with([&](const auto* slaves) {
+  constrained_.with([&](const auto* constrained_nodes) {
     masters_.for_each_row(false, [=](int row, int length, const auto*, const double* weight) {
       double sum = 0.0;
       for (int n = 0; n < length; ++n) sum += std::fabs(weight[n]);
-      values[slaves[row]] *= sum;
+      values[constrained_nodes[row]] *= sum;
     });
   });
 }
 
 void ExtensionConstraints::gather_sizes_to_masters(double* values) const {
-  slave_.with([&](const auto* slaves) {
+  constrained_.with([&](const auto* constrained_nodes) {
     masters_.for_each_row(false, [=](int row, int length, const auto* node, const double* weight) {
-      double& v = values[slaves[row]];
+      double& v = values[constrained_nodes[row]];
       for (int n = 0; n < length; ++n) values[node[n]] += std::fabs(weight[n]) * v;
       v = 0.0;
     });
@@ -449,14 +450,14 @@ void with_width(int width, F f) {
 
 void ExtensionConstraints::add_to_mass_receivers(double* values, int width) const {
   with_width(width, [&](auto w) {
-    slave_.with([&](const auto* slaves) {
+    constrained_.with([&](const auto* constrained_nodes) {
       mass_receivers_.for_each_row(false, [=](int row, int length, const auto* node, const double* share) {
-        double* slave = values + w * static_cast<long>(slaves[row]);
+        double* constrained = values + w * static_cast<long>(constrained_nodes[row]);
         for (int n = 0; n < length; ++n) {
           double* receiver = values + w * static_cast<long>(node[n]);
-          for (int c = 0; c < w; ++c) receiver[c] += share[n] * slave[c];
+          for (int c = 0; c < w; ++c) receiver[c] += share[n] * constrained[c];
         }
-        std::fill(slave, slave + w, 0.0);
+        std::fill(constrained, constrained + w, 0.0);
       });
     });
   });
@@ -464,13 +465,13 @@ void ExtensionConstraints::add_to_mass_receivers(double* values, int width) cons
 
 void ExtensionConstraints::mean_of_mass_receivers(double* values, int width) const {
   with_width(width, [&](auto w) {
-    slave_.with([&](const auto* slaves) {
+    constrained_.with([&](const auto* constrained_nodes) {
       mass_receivers_.for_each_row(false, [=](int row, int length, const auto* node, const double* share) {
-        double* slave = values + w * static_cast<long>(slaves[row]);
+        double* constrained = values + w * static_cast<long>(constrained_nodes[row]);
         for (int c = 0; c < w; ++c) {
           double sum = 0.0;
           for (int n = 0; n < length; ++n) sum += share[n] * values[w * static_cast<long>(node[n]) + c];
-          slave[c] = sum;
+          constrained[c] = sum;
         }
       });
     });
@@ -478,22 +479,22 @@ void ExtensionConstraints::mean_of_mass_receivers(double* values, int width) con
 }
 
 void ExtensionConstraints::extend(double* values) const {
-  (is_chained() ? chain_slave_ : slave_).with([&](const auto* slaves) {
+  (is_chained() ? chain_constrained_ : constrained_).with([&](const auto* constrained_nodes) {
     (is_chained() ? chain_ : masters_).for_each_row(false, [&, values](int row, int length, const auto* node, const double* weight) {
       Three sum{};
       for (int n = 0; n < length; ++n) sum.add(weight[n], Three::load(values + 3 * static_cast<long>(node[n])));
-      sum.store(values + 3 * static_cast<long>(slaves[row]));
+      sum.store(values + 3 * static_cast<long>(constrained_nodes[row]));
     });
   });
 }
 
 void ExtensionConstraints::share(AlikeLists& alike) {
-  for (ShortList* v : {&slave_, &chain_slave_}) v->share(alike);
+  for (ShortList* v : {&constrained_, &chain_constrained_}) v->share(alike);
   for (Rows* r : {&masters_, &mass_receivers_, &chain_}) r->share(alike);
 }
 
 std::size_t ExtensionConstraints::memory_usage() const {
-  return slave_.memory_usage() + masters_.memory_usage() + mass_receivers_.memory_usage() + chain_slave_.memory_usage() +
+  return constrained_.memory_usage() + masters_.memory_usage() + mass_receivers_.memory_usage() + chain_constrained_.memory_usage() +
          chain_.memory_usage();
 }
 

@@ -37,13 +37,13 @@
 namespace mpdem {
 
 struct ExtensionConstraint {
-  Key slave{};
+  Key constrained{};
   std::vector<std::pair<Key, double>> masters, mass_receivers;  // mass receivers with their shares of the mass
   // The two nodes behind along each axis of the constraint, which may be constrained themselves. Empty if not known.
   std::vector<std::pair<Key, double>> behind;
 };
 
-struct TiedNodes {
+struct EdgeNodes {
   std::vector<Key> keys;     // ascending, each once
   std::vector<double> mass;  // summed over ranks
   // Returns the next node in direction 0 to 5, which are -x +x -y +y -z +z; kNoNode if there is none. If the function
@@ -52,7 +52,7 @@ struct TiedNodes {
 };
 
 // Finds the constraints of the nodes of this rank. Collective.
-std::vector<ExtensionConstraint> find_extension_constraints(MPI_Comm comm, Basis basis, const TiedNodes& nodes);
+std::vector<ExtensionConstraint> find_extension_constraints(MPI_Comm comm, Basis basis, const EdgeNodes& nodes);
 
 // Constraints with node indices instead of keys. Constrained nodes, mass receivers and masters are all on this rank.
 class ExtensionConstraints {
@@ -70,21 +70,22 @@ class ExtensionConstraints {
   // Returns the constraints with keys instead of indices, in the order of the constrained nodes.
   std::vector<ExtensionConstraint> by_key(const std::vector<Key>& keys) const;
 
-  bool empty() const { return slave_.empty(); }
-  std::size_t size() const { return slave_.size(); }
+  bool empty() const { return constrained_.empty(); }
+  std::size_t size() const { return constrained_.size(); }
   int rows_before(int node) const {
-    return slave_.with(
-        [&](const auto* slaves) { return static_cast<int>(std::lower_bound(slaves, slaves + slave_.size(), node) - slaves); });
+    return constrained_.with([&](const auto* constrained_nodes) {
+      return static_cast<int>(std::lower_bound(constrained_nodes, constrained_nodes + constrained_.size(), node) - constrained_nodes);
+    });
   }
   // Row of a node, or -1 if it is free.
   int row(int node) const {
     const int at = rows_before(node);
-    return at < static_cast<int>(size()) && slave_[at] == node ? at : -1;
+    return at < static_cast<int>(size()) && constrained_[at] == node ? at : -1;
   }
   // row() of all nodes [0, nodes).
   std::vector<int> row_of_each(int nodes) const {
     std::vector<int> rows(nodes, -1);
-    for (std::size_t t = 0; t < size(); ++t) rows[slave_[t]] = static_cast<int>(t);
+    for (std::size_t t = 0; t < size(); ++t) rows[constrained_[t]] = static_cast<int>(t);
     return rows;
   }
   // Multiplies the value of each constrained node by the sum of the absolute values of its weights.
@@ -155,15 +156,15 @@ class ExtensionConstraints {
   void bind_chain(const std::vector<ExtensionConstraint>& ties, const std::vector<Key>& keys);
   template <class T>
   void gather_to_masters_as(double* values) const;
-  bool is_chained() const { return !chain_slave_.empty(); }
+  bool is_chained() const { return !chain_constrained_.empty(); }
 
-  ShortList slave_;  // ascending
+  ShortList constrained_;  // ascending
   Rows masters_, mass_receivers_;
   // The chain: each constrained node with the nodes directly behind it, after those of them that are constrained
   // themselves. Empty if the nodes behind are not known. Where edges meet, a node has more masters than nodes behind
   // it, so the chain takes less work. But it rounds sums in another order. So nodes that ranks share use the masters,
   // since the nodes behind may be on another rank.
-  ShortList chain_slave_;
+  ShortList chain_constrained_;
   Rows chain_;
 };
 

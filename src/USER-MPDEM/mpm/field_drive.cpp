@@ -163,7 +163,7 @@ void set_field(PointStore& points, const Grid& grid, const double Q[3][3]) {
   });
 }
 
-void go_back_to_creation(PointStore& points) {
+void revert_field(PointStore& points) {
   points.forget_roots_of_norm();
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     PointBlock& p = points.blocks[b];

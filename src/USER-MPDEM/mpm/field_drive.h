@@ -42,7 +42,7 @@ double largest_root_of_drive(const PointStore& points, const Law& law, const Gri
 void set_field(PointStore& points, const Grid& grid, const double Q[3][3]);
 
 // Reverts set_field(): no deformation, no strain, and frames without the rotation of the deformation. Keeps the damage.
-void go_back_to_creation(PointStore& points);
+void revert_field(PointStore& points);
 
 }  // namespace mpdem
 

@@ -175,9 +175,9 @@ void Grid::set_motion(GridRequest& r, const std::vector<Key>& wanted, const std:
   momentum.clear();
   forget_averages();
   ties.clear();
-  any_ties_ = false;
-  tie_factor_.clear();
-  largest_tie_factor_ = 1.0;
+  any_constraints_ = false;
+  constraint_factor_.clear();
+  largest_constraint_factor_ = 1.0;
 }
 
 void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes, std::vector<GridRequest>& requests) {
@@ -303,7 +303,7 @@ std::vector<int> Grid::add_nodes(const std::vector<Key>& more) {
   keys.swap(all);
   for (auto* v : {&velocity, &displacement, &force, &acceleration, &momentum, &inertial_force}) spread(*v, 3, new_index, keys.size(), 0.0);
   spread(mass.own(), 1, new_index, keys.size(), 0.0);
-  tie_factor_.clear();
+  constraint_factor_.clear();
   spread(given_volume, 1, new_index, keys.size(), -1.0);
   ties.renumber(new_index);
   for (int& i : aliases) i = new_index[i];
@@ -311,7 +311,7 @@ std::vector<int> Grid::add_nodes(const std::vector<Key>& more) {
   return new_index;
 }
 
-void Grid::take_over_motion(const std::map<Key, Key>& source) {
+void Grid::copy_motion(const std::map<Key, Key>& source) {
   struct Move {
     int to;
     double v[3][3];
@@ -345,21 +345,21 @@ void Grid::find_columns(BlockMeta& m) const {
     }
 }
 
-bool Grid::tie_anew(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted) {
-  tie_factor_.clear();
+bool Grid::find_constraints_anew(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted) {
+  constraint_factor_.clear();
   forget_averages();
   const bool freed = ties.exchange(nodes, wanted, keys);
-  any_ties_ = any_ties_ || !ties.empty();
+  any_constraints_ = any_constraints_ || !ties.empty();
   return freed;
 }
 
 void Grid::tie(const std::vector<ExtensionConstraint>& wanted, bool any, bool chained) {
   ties.bind(wanted, keys, chained && !halo.shares_any());
   forget_averages();
-  any_ties_ = any;
+  any_constraints_ = any;
 }
 
-std::vector<double> Grid::mass_here(const PointStore& points, double density, bool holding) const {
+std::vector<double> Grid::local_mass(const PointStore& points, double density, bool holding) const {
   std::vector<double> mass(keys.size(), 0.0);
   const double inverse_h = 1.0 / h;
   with_basis(basis, [&](auto type) {
@@ -376,18 +376,18 @@ std::vector<double> Grid::mass_here(const PointStore& points, double density, bo
 }
 
 void Grid::lump_mass(const PointStore& points, double density) {
-  std::vector<double> mass = mass_here(points, density);
+  std::vector<double> mass = local_mass(points, density);
   // A given volume is no less than the volume of the intact points. So the bound of the eigenvalue remains valid.
   for (std::size_t i = 0; i < given_volume.size(); ++i)
     if (given_volume[i] >= 0.0) mass[i] = halo.counts_here()[i] ? density * given_volume[i] : 0.0;
   // The bound of the eigenvalue holds at each node of the unconstrained grid. The kinetic energy of a constrained node
   // satisfies (sum w v)^2 <= (sum |w|) (sum |w| v^2), with sums over its masters.
-  tie_factor_.clear();
-  largest_tie_factor_ = 1.0;
-  if (any_ties_) {
-    tie_factor_ = mass;
-    ties.scale_by_weight_sums(tie_factor_.data());
-    ties.gather_sizes_to_masters(tie_factor_.data());
+  constraint_factor_.clear();
+  largest_constraint_factor_ = 1.0;
+  if (any_constraints_) {
+    constraint_factor_ = mass;
+    ties.scale_by_weight_sums(constraint_factor_.data());
+    ties.gather_sizes_to_masters(constraint_factor_.data());
   }
   ties.add_to_mass_receivers(mass.data(), 1);
   halo.sum(mass.data(), 1);
@@ -397,18 +397,18 @@ void Grid::lump_mass(const PointStore& points, double density) {
   constexpr double kRounding = 1e-24;
   for (double& m : mass)
     if (m < kRounding * density * h * h * h) m = 0.0;
-  if (any_ties_) {
-    halo.sum(tie_factor_.data(), 1);
+  if (any_constraints_) {
+    halo.sum(constraint_factor_.data(), 1);
     const std::vector<int> row = ties.row_of_each(size());
     std::size_t kept = 0;
     for (int i = 0; i < size(); ++i) {
       if (row[i] >= 0) continue;
-      const double factor = mass[i] > 0.0 ? tie_factor_[i] / mass[i] : 1.0;
-      tie_factor_[kept++] = factor;
-      largest_tie_factor_ = std::max(largest_tie_factor_, factor);
+      const double factor = mass[i] > 0.0 ? constraint_factor_[i] / mass[i] : 1.0;
+      constraint_factor_[kept++] = factor;
+      largest_constraint_factor_ = std::max(largest_constraint_factor_, factor);
     }
-    tie_factor_.resize(kept);
-    tie_factor_.shrink_to_fit();
+    constraint_factor_.resize(kept);
+    constraint_factor_.shrink_to_fit();
   }
   this->mass = std::move(mass);
 }
@@ -425,10 +425,10 @@ void Grid::update_acceleration(const SharedList<double>& added_mass) {
     const double r = inertia > 0.0 ? 1.0 / inertia : 0.0;
     for (int d = 0; d < 3; ++d) f[3 * i + d] *= r;
   }
-  take_accelerations();
+  finish_accelerations();
 }
 
-void Grid::take_accelerations() {
+void Grid::finish_accelerations() {
   ties.extend(force.data());
   force.swap(acceleration);
 }
@@ -462,11 +462,11 @@ std::size_t Grid::memory_usage() const {
   return keys.capacity() * sizeof(Key) + mass.memory_usage() +
          sizeof(double) *
              (velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() +
-              inertial_force.capacity() + tie_factor_.capacity() + given_volume.capacity() + drive_average.capacity()) +
+              inertial_force.capacity() + constraint_factor_.capacity() + given_volume.capacity() + drive_average.capacity()) +
          sizeof(vd) * drive_limit.capacity() + sizeof(int) * aliases.capacity() + ties.memory_usage();
 }
 
-bool Grid::stands_still() const {
+bool Grid::is_at_rest() const {
   return std::all_of(velocity.begin(), velocity.end(), [](double v) { return v == 0.0; });
 }
 

@@ -96,15 +96,15 @@ class Grid {
   // Adds new nodes (ascending) at rest and returns the new index of each old node. No other rank may share the grid.
   std::vector<int> add_nodes(const std::vector<Key>& more);
   // Gives each node (first key) the motion of another (second key) at the call. Leaves out pairs with an absent node.
-  void take_over_motion(const std::map<Key, Key>& source);
+  void copy_motion(const std::map<Key, Key>& source);
   // Finds the columns of a block. Throws std::logic_error if the grid does not have its nodes.
   void find_columns(BlockMeta& m) const;
   // Replaces the constraints of these nodes (ascending). Returns true if a node that was constrained at the edge is now
   // free or constrained in another way. Call lump_mass() then. No other rank may share the grid.
-  bool tie_anew(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted);
+  bool find_constraints_anew(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted);
 
   // Constrains nodes of this rank until the next build(). Must be called before lump_mass(). any: true if some rank
-  // that shares the grid has constraints. chained: see ExtensionConstraints; false if tie_anew() is to give the same
+  // that shares the grid has constraints. chained: see ExtensionConstraints; false if find_constraints_anew() is to give the same
   // result as tie().
   void tie(const std::vector<ExtensionConstraint>& wanted, bool any, bool chained = true);
 
@@ -112,7 +112,7 @@ class Grid {
   // of constrained nodes goes to their mass receivers. Collective among the ranks that share nodes.
   void lump_mass(const PointStore& points, double density);
   // Lumped mass of the points of this rank alone, without constraints. holding: only of intact points.
-  std::vector<double> mass_here(const PointStore& points, double density, bool holding = false) const;
+  std::vector<double> local_mass(const PointStore& points, double density, bool holding = false) const;
 
   void clear_force();
   void sum_force() {
@@ -120,21 +120,21 @@ class Grid {
     halo.sum(force.data(), 3);
   }
 
-  // Constraints raise a bound of the largest eigenvalue by a factor. tie_factor() is that of a node,
-  // largest_tie_factor() is the largest of the nodes of this rank.
-  double tie_factor(int node) const {
-    return tie_factor_.empty() || ties.row(node) >= 0 ? 1.0 : tie_factor_[node - ties.rows_before(node)];
+  // Constraints raise a bound of the largest eigenvalue by a factor. constraint_factor() is that of a node,
+  // largest_constraint_factor() is the largest of the nodes of this rank.
+  double constraint_factor(int node) const {
+    return constraint_factor_.empty() || ties.row(node) >= 0 ? 1.0 : constraint_factor_[node - ties.rows_before(node)];
   }
-  double largest_tie_factor() const { return largest_tie_factor_; }
+  double largest_constraint_factor() const { return largest_constraint_factor_; }
 
   // Sets a = f / (m + added mass) for each node. There is no added mass if the list is empty. Accelerations overwrite
   // the forces in their array, so that a step passes over one array and not over two.
   void update_acceleration(const SharedList<double>& added_mass = {});
   // update_acceleration() in two steps. accelerate() divides the forces of the nodes [first, end), which must have no
-  // added mass and no constraint. All free nodes must be divided before take_accelerations(), which extends them to
+  // added mass and no constraint. All free nodes must be divided before finish_accelerations(), which extends them to
   // constrained nodes.
   void accelerate(int first, int end);
-  void take_accelerations();
+  void finish_accelerations();
   // Starts the forces of a step in the array of the accelerations, which are overwritten.
   void begin_forces() {
     force.swap(acceleration);
@@ -144,7 +144,7 @@ class Grid {
   void drift(double dt_v, double dt_u);
 
   bool finite() const;
-  bool stands_still() const;  // is each velocity zero?
+  bool is_at_rest() const;  // is each velocity zero?
 
   NodeKinematics kinematics() const;
   // Shares lists with other grids that have equal ones, to save memory.
@@ -162,9 +162,9 @@ class Grid {
   double lay_out(const GridRequest& r, double cell_size, int margin, double most_bytes);
   void set_motion(GridRequest& r, const std::vector<Key>& wanted, const std::vector<double>& values, const std::vector<char>& found);
 
-  bool any_ties_ = false;           // true if any rank that shares the grid has constraints
-  std::vector<double> tie_factor_;  // factor of the bound for each free node; empty without constraints
-  double largest_tie_factor_ = 1.0;
+  bool any_constraints_ = false;           // true if any rank that shares the grid has constraints
+  std::vector<double> constraint_factor_;  // factor of the bound for each free node; empty without constraints
+  double largest_constraint_factor_ = 1.0;
   std::vector<char> inside_;  // for first nodes of cells: well_inside(); empty without a margin
 };
 

@@ -18,21 +18,21 @@ namespace mpdem {
 // The grain (0 or 1) whose half of the bond is the stronger one. It is the smaller grain, since of unequal grains the
 // larger one debonds anyway. Of equal grains it is the one ahead along the axis of the box that is nearest to the line
 // of centres. So the result does not depend on the order of the grains.
-inline int stronger_side(const BondRecord& record) {
+inline int stronger_grain(const BondRecord& record) {
   const double larger = record.radius[0] - record.radius[1];
   if (std::fabs(larger) > rounding_of_positions(record)) return larger > 0.0;
-  return 1 - side_behind(record);
+  return 1 - grain_behind(record);
 }
 
 // Lanes of the points that were created at X in the stronger half. The middle belongs to the weaker one.
-inline vmask on_stronger_side(const BondRecord& record, const vd* X) {
+inline vmask nearer_to_stronger_grain(const BondRecord& record, const vd* X) {
   vd above[2];
   for (int side = 0; side < 2; ++side) {
     vd square{};
     for (int d = 0; d < 3; ++d) square += (X[d] - record.centre[side][d]) * (X[d] - record.centre[side][d]);
     above[side] = sqrt(square) - record.radius[side];
   }
-  const int strong = stronger_side(record);
+  const int strong = stronger_grain(record);
   return above[1 - strong] - above[strong] > rounding_of_positions(record);
 }
 
@@ -44,7 +44,7 @@ struct Imperfection {
   // Factor on the root of the norm of strain of points created at X, as it counts for damage.
   vd of_root(const vd* X) const {
     if (share == 0.0) return splat(1.0);
-    return select(on_stronger_side(*record, X), splat(1.0 / std::sqrt(1.0 + share)), splat(1.0));
+    return select(nearer_to_stronger_grain(*record, X), splat(1.0 / std::sqrt(1.0 + share)), splat(1.0));
   }
 };
 

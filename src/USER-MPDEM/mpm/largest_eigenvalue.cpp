@@ -35,11 +35,11 @@ double scrambled(const Key& k, int c) {
 // Nodes of one bond that can move, ascending: all nodes, or those of the blocks that count and the masters of these.
 // `slaves` are the constrained nodes of the blocks that count. It is empty if all blocks count.
 struct Moving {
-  struct Slave {
+  struct Constrained {
     int node, row;  // row of its constraint
   };
   std::vector<int> nodes;
-  std::vector<Slave> slaves;
+  std::vector<Constrained> constrained_nodes;
 
   explicit Moving(const EigenvalueSystem& system) {
     const Grid& grid = *system.grid;
@@ -47,8 +47,8 @@ struct Moving {
     for (std::size_t n = 0; system.blocks && n < system.blocks->size(); ++n)
       for_each_node(grid, system.points->meta[(*system.blocks)[n]], [&](int i) { moves[i] = 1; });
     for (int i = 0; i < grid.size() && system.blocks; ++i)
-      if (const int row = moves[i] ? grid.ties.row(i) : -1; row >= 0) slaves.push_back({i, row});
-    for (const Slave& s : slaves) grid.ties.for_each_master(s.row, [&](int master, double) { moves[master] = 1; });
+      if (const int row = moves[i] ? grid.ties.row(i) : -1; row >= 0) constrained_nodes.push_back({i, row});
+    for (const Constrained& s : constrained_nodes) grid.ties.for_each_master(s.row, [&](int master, double) { moves[master] = 1; });
     for (int i = 0; i < grid.size(); ++i)
       if (moves[i]) nodes.push_back(i);
   }
@@ -56,7 +56,7 @@ struct Moving {
   void extend(const EigenvalueSystem& system, double* values) const {
     const ExtensionConstraints& ties = system.grid->ties;
     if (!system.blocks) return ties.extend(values);
-    for (const Slave& s : slaves) {
+    for (const Constrained& s : constrained_nodes) {
       double sum[3] = {0.0, 0.0, 0.0};
       ties.for_each_master(s.row, [&](int master, double weight) {
         for (int d = 0; d < 3; ++d) sum[d] += weight * values[3 * master + d];
@@ -67,14 +67,14 @@ struct Moving {
   void gather_to_masters(const EigenvalueSystem& system, double* values) const {
     const ExtensionConstraints& ties = system.grid->ties;
     if (!system.blocks) return ties.gather_to_masters(values);
-    for (const Slave& s : slaves) {
-      double of_slave[3];
+    for (const Constrained& s : constrained_nodes) {
+      double of_constrained[3];
       for (int d = 0; d < 3; ++d) {
-        of_slave[d] = values[3 * s.node + d];
+        of_constrained[d] = values[3 * s.node + d];
         values[3 * s.node + d] = 0.0;
       }
       ties.for_each_master(s.row, [&](int master, double weight) {
-        for (int d = 0; d < 3; ++d) values[3 * master + d] += weight * of_slave[d];
+        for (int d = 0; d < 3; ++d) values[3 * master + d] += weight * of_constrained[d];
       });
     }
   }
@@ -135,7 +135,7 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
       of_systems.push_back(&w[3 * first[p]]);
       moving[p].extend(systems[p], &v[3 * first[p]]);
       add_stiffness_force(*systems[p].points, *systems[p].grid, law, &v[3 * first[p]], of_systems.back(),
-                          {systems[p].failed_hold, systems[p].blocks});
+                          {systems[p].failed_as_undamaged, systems[p].blocks});
       moving[p].gather_to_masters(systems[p], of_systems.back());
     }
     shared.sum(of_systems, 3);

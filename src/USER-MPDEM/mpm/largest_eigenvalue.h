@@ -33,7 +33,7 @@ struct EigenvalueEstimate {
 struct EigenvalueSystem {
   const PointStore* points;
   const Grid* grid;
-  bool failed_hold = false;                  // failed points count as undamaged: they may be stiff again, see closing_points.h
+  bool failed_as_undamaged = false;          // failed points count as undamaged: they may be stiff again, see closing_points.h
   const std::vector<int>* blocks = nullptr;  // blocks whose points count; null: all
 };
 

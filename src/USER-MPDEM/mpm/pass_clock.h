@@ -36,9 +36,9 @@ class PassClock {
   }
 
   // Work for many blocks is always timed. Its ticks are divided by kEvery, since other blocks are timed once in kEvery.
-  void start_settling() { last_ = now(); }
-  void settled() { lap(ticks_.material, kEvery); }
-  void settled_scattered() { lap(ticks_.scatter, kEvery); }
+  void start_queue() { last_ = now(); }
+  void queue_stressed() { lap(ticks_.material, kEvery); }
+  void queue_scattered() { lap(ticks_.scatter, kEvery); }
 
  private:
   static std::uint64_t now() {

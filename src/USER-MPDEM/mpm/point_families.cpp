@@ -171,7 +171,7 @@ PointStore::LayerMove PointStore::move_to_layers(const std::map<int, int>& layer
     for (int l = 0; l < kLanes; ++l) new_slot[kLanes * was + l] = kLanes * b + l;
   }
   add_copies_until(homes_);
-  settled_ = blocks.size();
+  arranged_blocks_ = blocks.size();
   for (Link& k : links) k.slot = new_slot[k.slot];
   for (ContactPoint& p : contacts) p.slot = new_slot[p.slot];
   done.new_link_index = sort_links();

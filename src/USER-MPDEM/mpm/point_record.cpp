@@ -12,11 +12,11 @@ std::string trouble_of(const PointRecord& p, const std::vector<BondRecord>& reco
   FirstTrouble found;
   if (!found.check_whole("its bond", p.row, from(0.0, static_cast<double>(records.size()) - 1.0))) return found.trouble();
   const BondRecord& of = records[p.row];
-  if (of.pattern > 0) return "its bond has no points yet";
+  if (of.point_template > 0) return "its bond has no points yet";
   const double reach = 1e8 * of.spacing;  // cell indices are int
   for (int d = 0; d < 3; ++d) {
     const Range near = from(of.lattice[d] - reach, of.lattice[d] + reach);
-    found.check("its place", p.X[d], near);
+    found.check("its position", p.X[d], near);
     if (p.moving) found.check("its first place", p.X0[d], near);
   }
   found.check_whole("the number of its law of damage", p.law, from(0.0, static_cast<double>(law_entries().size())));
@@ -37,13 +37,13 @@ std::string trouble_of(const PointRecord& p, const std::vector<BondRecord>& reco
   if (p.film) {
     if (p.links != PointRecord::kMaxLinks || p.link[0].grain == p.link[1].grain)
       found.tell("it is film, and has no link to either grain of its bond");
-    if (p.contacts > 0) found.tell("it is film, and has freed places");
+    if (p.contacts > 0) found.tell("it is film, and has contact points");
   }
   for (int k = 0; k < p.contacts; ++k) {
     const ContactPoint& contact = p.contact[k];
     if (contact.grain != of.grain[0] && contact.grain != of.grain[1])
-      found.tell("the grain of a freed place is " + std::to_string(contact.grain) + ", which is none of its bond");
-    for (int d = 0; d < 3; ++d) found.check("where a freed place is", contact.X[d], from(of.lattice[d] - reach, of.lattice[d] + reach));
+      found.tell("the grain of a contact point is " + std::to_string(contact.grain) + ", which is none of its bond");
+    for (int d = 0; d < 3; ++d) found.check("where a contact point is", contact.X[d], from(of.lattice[d] - reach, of.lattice[d] + reach));
   }
   return found.trouble();
 }

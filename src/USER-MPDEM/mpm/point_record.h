@@ -28,9 +28,9 @@ struct Link {
   int slot = -1;  // slot of its point in a store
   int grain = 0;  // tag
   double foot[3] = {0, 0, 0};
-  double area = 0;        // of the grain's surface
-  bool attached = false;  // the link has not failed
-  bool inert = false;     // the link has failed, but its added mass still counts, see coupling/penalty_links.h
+  double area = 0;              // of the grain's surface
+  bool attached = false;        // the link has not failed
+  bool has_added_mass = false;  // the link has failed, but its added mass still counts, see coupling/penalty_links.h
   double moved[3] = {0, 0, 0};
   double state[kMostLinkFields] = {0};  // state of its traction law
 
@@ -42,7 +42,7 @@ struct Link {
     visit("the area of a link", k.area, kNotNegative);
     visit("'is attached' of a link", k.attached);
     visit("the displacement of a link", k.moved, kFinite);
-    visit("'has added mass' of a link", k.inert);
+    visit("'has added mass' of a link", k.has_added_mass);
     visit("the state of a link", k.state, from(0.0, 1.0));
   }
 };
@@ -50,15 +50,15 @@ struct Link {
 // A point of the debonded surface of a grain, together with the material that it may touch. A material point has at
 // most one contact point for each grain, see coupling/debonded_contact.h.
 struct ContactPoint {
-  int slot = -1;                // slot of its material point in a store
-  int grain = 0;                // tag
-  double area = 0;              // of the grain's surface
-  double X[3] = {0, 0, 0};      // where the material is touched, reference coordinates
-  double radius = 0;            // distance from the centre of the grain at which it touches
-  double stick[3] = {0, 0, 0};  // position at which friction has no force, in the frame of the grain
-  double slides = 0;            // traction of friction in the last step
-  double inert_area = 0;        // area whose stiffness has added mass
-  bool closed = false;          // touched in the last step
+  int slot = -1;                      // slot of its material point in a store
+  int grain = 0;                      // tag
+  double area = 0;                    // of the grain's surface
+  double X[3] = {0, 0, 0};            // where the material is touched, reference coordinates
+  double radius = 0;                  // distance from the centre of the grain at which it touches
+  double stick_point[3] = {0, 0, 0};  // position at which friction has no force, in the frame of the grain
+  double friction_traction = 0;       // traction of friction in the last step
+  double added_mass_area = 0;         // area whose stiffness has added mass
+  bool closed = false;                // touched in the last step
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& p, Visitor& visit) {
@@ -67,9 +67,9 @@ struct ContactPoint {
     visit("the area of a contact point", p.area, kNotNegative);
     visit("where a contact point is", p.X, kFinite);
     visit("the radius of a contact point", p.radius, kNotNegative);
-    visit("where a contact point sticks", p.stick, kFinite);
-    visit("friction of a contact point", p.slides, kNotNegative);
-    visit("area with added mass of a contact point", p.inert_area, kNotNegative);
+    visit("where a contact point sticks", p.stick_point, kFinite);
+    visit("friction of a contact point", p.friction_traction, kNotNegative);
+    visit("area with added mass of a contact point", p.added_mass_area, kNotNegative);
     visit("'is closed' of a contact point", p.closed);
   }
 };

@@ -26,7 +26,7 @@ double largest_of(const double* D) {
 std::string name_of_law(int number) { return law_entries()[number - 1].name; }
 
 // Converts the damage tensor that a file gave for a point. Returns what is wrong, or an empty string.
-std::string take_up_tensor(PointStore& points, int slot, const Law& law) {
+std::string convert_file_tensor(PointStore& points, int slot, const Law& law) {
   const bool failed = points.has_failed(slot);
   double D[kMostStateFields] = {}, state[kMostStateFields] = {};
   for (int i = 0; i < points.state_fields(); ++i) D[i] = points.state(slot / kLanes)[i][slot % kLanes];
@@ -119,7 +119,7 @@ std::array<double, 6> damage_tensor_of(const PointStore& points, int slot) {
 void find_softening(PointStore& points, const BondRecord& record) {
   points.softening.clear();
   const Law& law = *points.law();
-  if (!law.softens_by_place()) return;
+  if (!law.softens_by_position()) return;
   points.softening.resize(points.blocks.size());
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const vd* at = points.created_at(static_cast<int>(b));
@@ -142,7 +142,7 @@ std::string read_point_states(PointStore& points, const std::shared_ptr<const La
       if (!(m.occupied >> l & 1)) continue;
       if (other)
         trouble = text_of("a state of 'damage ", name_of_law(number), "', from which 'damage ", law.name(), "' cannot go on; keep the law");
-      else if (number == 0) trouble = take_up_tensor(points, kLanes * b + l, law);
+      else if (number == 0) trouble = convert_file_tensor(points, kLanes * b + l, law);
       if (!trouble.empty()) trouble = text_of("material point ", points.tags[b][l], " has ", trouble);
     }
   }

@@ -59,7 +59,7 @@ void PointStore::clear() {
   state_fields_ = kMostStateFields;
   law_number_ = 0;
   law_.reset();
-  settled_ = 0;
+  arranged_blocks_ = 0;
   changed_ = false;
   homes_ = 0;
   copies_.clear();
@@ -67,8 +67,8 @@ void PointStore::clear() {
 
 void PointStore::set(int slot, const PointRecord& r, int tag) {
   const int b = slot / kLanes, l = slot % kLanes;
-  if (r.moving) let_move();
-  if (r.has_slip) let_slip();
+  if (r.moving) start_motion();
+  if (r.has_slip) start_slip();
   forget_root_of_norm(b);
   each_field(*this, b, r, [l](auto& in_block, const auto& in_record) {
     double* to = lane(in_block, l);
@@ -124,7 +124,7 @@ void PointStore::set_state(int slot, const double* numbers) {
 
 int PointStore::add(const PointRecord& r, int tag) {
   // A block of the tail has points of one bond and layer, as all blocks do.
-  const bool fresh = blocks.size() == settled_ || tail_lanes_ == kLanes || meta.back().row != r.row || meta.back().layer != r.layer;
+  const bool fresh = blocks.size() == arranged_blocks_ || tail_lanes_ == kLanes || meta.back().row != r.row || meta.back().layer != r.layer;
   if (fresh) {
     if (blocks.empty()) law_number_ = r.law;
     append_block();
@@ -231,14 +231,14 @@ void PointStore::add_record(int slot, const PointRecord& r, int tag) {
   }
 }
 
-void PointStore::let_move() {
+void PointStore::start_motion() {
   if (!motion.empty() || blocks.empty()) return;
   motion.assign(blocks.size(), PointMotion{});
   for (std::size_t b = 0; b < blocks.size(); ++b)
     for (int d = 0; d < 3; ++d) motion[b].X0[d] = blocks[b].X[d];
 }
 
-void PointStore::let_slip() {
+void PointStore::start_slip() {
   if (slip.empty()) slip.assign(blocks.size(), PointSlip{});
 }
 
@@ -266,7 +266,7 @@ int PointStore::add_block(int row, int layer, const int* base, double cell, Basi
     blocks.back().X[d] = splat((base[d] + middle) * cell);
     if (!motion.empty()) motion.back().X0[d] = blocks.back().X[d];
   }
-  settled_ = blocks.size();
+  arranged_blocks_ = blocks.size();
   return static_cast<int>(blocks.size()) - 1;
 }
 
@@ -287,7 +287,7 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
   for (int i = 0; i < from.state_fields_; ++i) numbers[i] = from.state(b)[i][l];
   set_state(new_slot, numbers);
   if (!motion.empty()) copy(motion[to], from.motion[b]);
-  if (!from.slip.empty()) let_slip();
+  if (!from.slip.empty()) start_slip();
   if (!slip.empty()) copy(slip[to], from.slip.empty() ? PointSlip{} : from.slip[b]);
   tags[to][new_lane] = from.tags[b][l];
   const BlockMeta& m = from.meta[b];

@@ -216,9 +216,9 @@ class PointStore {
   void set_state(int slot, const double* numbers);
 
   // Gives the points a PointMotion with zero velocity, unless they have one.
-  void let_move();
+  void start_motion();
   // Gives the points a slip of zero, unless they have a slip.
-  void let_slip();
+  void start_slip();
   void keep_root_of_norm(int b, const vd& root) {
     if (root_of_norm.empty()) root_of_norm.assign(blocks.size(), splat(kUnknown));
     root_of_norm[b] = root;
@@ -270,8 +270,8 @@ class PointStore {
     f(s.meta, 1);
     f(s.tags, 1);
   }
-  std::size_t settled_ = 0;  // number of blocks with a cell; the blocks after them are the tail
-  int tail_lanes_ = 0;       // lanes used in the last block of the tail
+  std::size_t arranged_blocks_ = 0;  // number of blocks with a cell; the blocks after them are the tail
+  int tail_lanes_ = 0;               // lanes used in the last block of the tail
   bool changed_ = false;
   static const vd kNoState[kMostStateFields];
   std::vector<vd> state_;

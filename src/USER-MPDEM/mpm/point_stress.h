@@ -96,20 +96,20 @@ class PointStress {
     return true;
   }
 
-  bool full() const { return points_waiting_ >= kMost; }
+  bool full() const { return queued_points_ >= kMost; }
 
   // Updates the damage of the queued points. Then calls then(block, stress) for their blocks, in the order of the
   // queue.
   template <class Then>
-  void settle(PassClock& clock, Then&& then) {
-    if (blocks_waiting_ == 0) return;
-    clock.start_settling();
+  void flush(PassClock& clock, Then&& then) {
+    if (queued_blocks_ == 0) return;
+    clock.start_queue();
     if constexpr (L::kFields > 0)
-      for (int first = 0; first < points_waiting_; first += kLanes) grow(first);
-    clock.settled();
-    for (int i = 0; i < blocks_waiting_; ++i) then(waiting_[i].block, waiting_[i].stress);
-    clock.settled_scattered();
-    blocks_waiting_ = points_waiting_ = 0;
+      for (int first = 0; first < queued_points_; first += kLanes) grow(first);
+    clock.queue_stressed();
+    for (int i = 0; i < queued_blocks_; ++i) then(queue_[i].block, queue_[i].stress);
+    clock.queue_scattered();
+    queued_blocks_ = queued_points_ = 0;
   }
 
  private:
@@ -136,10 +136,10 @@ class PointStress {
     const vd threshold = strength * t.least_threshold;
     const std::uint8_t growing = bits(active & (t.square_bound > threshold * threshold));
     if (growing == 0) return true;
-    waiting_[blocks_waiting_] = {b, stress};
+    queue_[queued_blocks_] = {b, stress};
     for (int l = 0; l < kLanes; ++l)
-      if (growing >> l & 1) wait(kLanes * blocks_waiting_ + l, strain_start, strength);
-    ++blocks_waiting_;
+      if (growing >> l & 1) enqueue(kLanes * queued_blocks_ + l, strain_start, strength);
+    ++queued_blocks_;
     return false;
   }
 
@@ -155,26 +155,26 @@ class PointStress {
   }
 
   // place: eight times the index of the block in waiting_ plus the lane.
-  void wait(int place, const Sym3<vd>& strain_start, vd strength) {
-    const int l = place % kLanes, b = waiting_[place / kLanes].block, to = points_waiting_ % kLanes;
-    Points& v = vectors_[points_waiting_ / kLanes];
+  void enqueue(int place, const Sym3<vd>& strain_start, vd strength) {
+    const int l = place % kLanes, b = queue_[place / kLanes].block, to = queued_points_ % kLanes;
+    Points& v = vectors_[queued_points_ / kLanes];
     if (to == 0) v = Points{};
     copy(&v.strain_start, to, &strain_start, l, 6);
     copy(&v.strain, to, &points_.blocks[b].strain, l, 6);
     copy(&v.state, to, points_.state(b), l, L::kFields);
     v.strength[to] = strength[l];
     v.softening[to] = softening_of(points_, b, law_)[l];
-    place_[points_waiting_++] = place;
+    place_[queued_points_++] = place;
   }
 
   void grow(int first) {
-    const int count = std::min(kLanes, points_waiting_ - first);
+    const int count = std::min(kLanes, queued_points_ - first);
     Points& v = vectors_[first / kLanes];
     const LawUpdate u = law_.update(v.strain_start, v.strain, v.state, lanes(static_cast<std::uint8_t>((1u << count) - 1)), v.strength,
                                     growth_, v.softening);
     for (int k = 0; k < count; ++k) {
       if (!u.grown[k]) continue;
-      Waiting& w = waiting_[place_[first + k] / kLanes];
+      QueuedBlock& w = queue_[place_[first + k] / kLanes];
       const int b = w.block, l = place_[first + k] % kLanes;
       const double volume = points_.blocks[b].volume[l];
       copy(&w.stress, l, &u.stress, k, 6);
@@ -197,7 +197,7 @@ class PointStress {
   double square_near_, root_B_, root_weakest_;
   bool always_, nonlocal_;
 
-  struct Waiting {
+  struct QueuedBlock {
     int block;
     Sym3<vd> stress;
   };
@@ -206,8 +206,8 @@ class PointStress {
     State state;
     vd strength, softening;
   };
-  int blocks_waiting_ = 0, points_waiting_ = 0;
-  Waiting waiting_[kMost];
+  int queued_blocks_ = 0, queued_points_ = 0;
+  QueuedBlock queue_[kMost];
   Points vectors_[kVectors];
   int place_[kVectors * kLanes];
 };

@@ -25,20 +25,20 @@ PointRecord PointTemplate::record(std::size_t n, int row, const BondRecord& reco
   return r;
 }
 
-std::vector<double> packed(const std::vector<PointTemplate>& patterns) {
+std::vector<double> packed(const std::vector<PointTemplate>& templates) {
   std::vector<double> numbers;
-  for (const PointTemplate& p : patterns) {
+  for (const PointTemplate& p : templates) {
     append(p.head, numbers);
     for (const TemplatePoint& point : p.points) append(point, numbers);
   }
   return numbers;
 }
 
-void read(RecordReader& in, int count, std::vector<PointTemplate>& patterns) {
-  patterns.clear();
+void read(RecordReader& in, int count, std::vector<PointTemplate>& templates) {
+  templates.clear();
   for (int n = 0; n < count && in.trouble().empty(); ++n) {
-    patterns.emplace_back();
-    PointTemplate& p = patterns.back();
+    templates.emplace_back();
+    PointTemplate& p = templates.back();
     in.read(p.head);
     for (int k = 0; k < p.head.points && in.trouble().empty(); ++k) {
       p.points.emplace_back();
@@ -47,23 +47,24 @@ void read(RecordReader& in, int count, std::vector<PointTemplate>& patterns) {
   }
 }
 
-std::string trouble_of(const std::vector<PointTemplate>& patterns, const std::vector<BondRecord>& records) {
-  std::vector<char> known(patterns.size() + 1, 0);
+std::string trouble_of(const std::vector<PointTemplate>& templates, const std::vector<BondRecord>& records) {
+  std::vector<char> known(templates.size() + 1, 0);
   for (std::size_t row = 0; row < records.size(); ++row) {
     const BondRecord& b = records[row];
-    if (b.pattern == 0) continue;
+    if (b.point_template == 0) continue;
     const std::string bond = text_of("the bond of grains ", b.grain[0], " and ", b.grain[1]);
-    if (b.pattern > static_cast<int>(patterns.size())) return text_of(bond, " is to have pattern ", b.pattern, " of ", patterns.size());
-    const PointTemplate& p = patterns[b.pattern - 1];
-    if (p.head.points != b.points) return text_of(bond, " is to have ", b.points, " points, its pattern has ", p.head.points);
-    if (known[b.pattern]) continue;
-    known[b.pattern] = 1;
+    if (b.point_template > static_cast<int>(templates.size()))
+      return text_of(bond, " is to have template ", b.point_template, " of ", templates.size());
+    const PointTemplate& p = templates[b.point_template - 1];
+    if (p.head.points != b.points) return text_of(bond, " is to have ", b.points, " points, its template has ", p.head.points);
+    if (known[b.point_template]) continue;
+    known[b.point_template] = 1;
     BondRecord made(b);
-    made.pattern = 0;
+    made.point_template = 0;
     for (std::size_t n = 0; n < p.points.size(); ++n) {
       PointRecord r = p.record(n, 0, b);
       const std::string trouble = trouble_of(r, {made});
-      if (!trouble.empty()) return text_of("of the pattern of ", bond, ", ", trouble);
+      if (!trouble.empty()) return text_of("of the template of ", bond, ", ", trouble);
     }
   }
   return "";

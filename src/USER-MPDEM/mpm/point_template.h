@@ -22,7 +22,7 @@ struct TemplatePoint {
 
     template <class Self, class Visitor>
     static constexpr void describe(Self& a, Visitor& visit) {
-      visit("the side of a link", a.side, from(0, 1));
+      visit("the end of a link", a.side, from(0, 1));
       visit("the foot of a link", a.foot, kFinite);
       visit("the area of a link", a.area, kNotNegative);
     }
@@ -50,10 +50,10 @@ struct TemplateHead {
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& h, Visitor& visit) {
-    visit("the atom type of a pattern", h.type, from(1, kLargestInt));
-    visit("the groups of a pattern", h.mask, from(-kLargestInt - 1.0, kLargestInt));
-    visit("the density of a pattern", h.density, kPositive);
-    visit("the number of points of a pattern", h.points, from(1, kLargestInt));
+    visit("the atom type of a template", h.type, from(1, kLargestInt));
+    visit("the groups of a template", h.mask, from(-kLargestInt - 1.0, kLargestInt));
+    visit("the density of a template", h.density, kPositive);
+    visit("the number of points of a template", h.points, from(1, kLargestInt));
   }
 };
 
@@ -67,10 +67,10 @@ struct PointTemplate {
 };
 
 // Packs all templates into numbers. read() unpacks them. The reader reports what is wrong with the numbers of a file.
-std::vector<double> packed(const std::vector<PointTemplate>& patterns);
-void read(RecordReader& in, int count, std::vector<PointTemplate>& patterns);
+std::vector<double> packed(const std::vector<PointTemplate>& templates);
+void read(RecordReader& in, int count, std::vector<PointTemplate>& templates);
 // Text of what is wrong between the templates and the bonds that refer to them, or an empty string.
-std::string trouble_of(const std::vector<PointTemplate>& patterns, const std::vector<BondRecord>& records);
+std::string trouble_of(const std::vector<PointTemplate>& templates, const std::vector<BondRecord>& records);
 
 }  // namespace mpdem
 

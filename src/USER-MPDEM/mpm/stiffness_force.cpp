@@ -26,13 +26,13 @@ void add_products(const PointStore& points, const Grid& grid, const L& law, cons
   for (std::size_t n = 0; n < count; ++n) {
     const std::size_t b = which.blocks ? (*which.blocks)[n] : n;
     const BlockMeta& m = points.meta[b];
-    if (m.failed == m.occupied && !which.failed_hold) continue;
+    if (m.failed == m.occupied && !which.failed_as_undamaged) continue;
     const PointBlock& p = points.blocks[b];
     with_gradient_weights<Type>(p, m, 1.0 / grid.h, [&](const auto& s) {
       const Sym3<vd> strain = small_strain(p, m.column, s, x);
       Sym3<vd> t = m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
-      if (which.failed_hold) t = blend(lanes(m.failed), law.elasticity().stress(strain), t);
-      const vd live = which.failed_hold ? p.volume : select(lanes(m.failed), vd{}, p.volume);
+      if (which.failed_as_undamaged) t = blend(lanes(m.failed), law.elasticity().stress(strain), t);
+      const vd live = which.failed_as_undamaged ? p.volume : select(lanes(m.failed), vd{}, p.volume);
       scatter_gradient(out, m.column, s, weighted_piola(p.F, p.q, t, live));
     });
   }

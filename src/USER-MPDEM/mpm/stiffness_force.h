@@ -16,7 +16,7 @@
 namespace mpdem {
 
 struct StiffPoints {
-  bool failed_hold = false;                  // failed points count as undamaged
+  bool failed_as_undamaged = false;          // failed points count as undamaged
   const std::vector<int>* blocks = nullptr;  // blocks whose points count; null: all
 };
 

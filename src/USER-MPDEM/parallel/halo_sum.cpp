@@ -61,7 +61,7 @@ void HaloSums::build(const std::vector<const HaloSum*>& parts) {
 }
 
 void HaloSums::sum(const std::vector<double*>& values, int width) {
-  if (values.size() != parts_.size()) throw std::logic_error("sums of nodes need the values of each part");
+  if (values.size() != parts_.size()) throw std::logic_error("sums of nodes need the values of each grid");
   messages_.sum(parts_.data(), values.data(), parts_.size(), width);
 }
 

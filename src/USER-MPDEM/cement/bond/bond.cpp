@@ -61,7 +61,7 @@ std::vector<int> Bonds::resolved_rows() const {
 std::vector<int> Bonds::rows_without_points() const {
   std::vector<int> rows;
   for (std::size_t row = 0; row < table.size(); ++row)
-    if (table[row].pattern > 0) rows.push_back(static_cast<int>(row));
+    if (table[row].point_template > 0) rows.push_back(static_cast<int>(row));
   return rows;
 }
 
@@ -76,7 +76,7 @@ const std::vector<int>& Bonds::resolved_slots() const {
 
 std::size_t Bonds::memory_usage() const {
   std::size_t bytes = table.capacity() * sizeof(BondRecord) + here_.capacity() * sizeof(Slot);
-  for (const PointTemplate& p : patterns) bytes += p.memory_usage();
+  for (const PointTemplate& p : templates) bytes += p.memory_usage();
   for (const Slot& b : here_) bytes += sizeof(Bond) + b->memory_usage();
   return bytes;
 }

@@ -36,7 +36,7 @@ struct Bond {
   using Mechanisms = std::vector<std::unique_ptr<BondMechanism>>;
   Mechanisms mechanisms;            // those that act in the scene, see cement/layout/mechanisms.h
   UpdatedPass updated;              // used by `updated` kinematics only
-  int first_end = 0;                // index of the first end of the bond in BondEnds::ends
+  int first_end_index = 0;          // index of the first end of the bond in BondEnds::ends
   int layout = 0;                   // number of its layout on this rank; 0: none yet
   std::size_t laid_out_blocks = 0;  // number of point blocks that the grid has nodes for
   bool unmoved = false;             // resting: no point is strained and no node has moved since the layout; a step changes no point
@@ -126,8 +126,8 @@ struct Bond {
 
 class Bonds {
  public:
-  std::vector<BondRecord> table;        // bonds of all ranks
-  std::vector<PointTemplate> patterns;  // templates of bonds whose points are made later, the same on all ranks
+  std::vector<BondRecord> table;         // bonds of all ranks
+  std::vector<PointTemplate> templates;  // templates of bonds whose points are made later, the same on all ranks
 
   // Iterators over the bonds with points or nodes on this rank, in ascending order of their rows. The address of a bond
   // does not change when others are added or dropped.
@@ -204,9 +204,9 @@ class Bonds {
   bool is_whole(const Bond& b) const { return b.size() == table[b.row].points; }
   // Rows of the bonds that are not condensed, ascending, the same on all ranks.
   std::vector<int> resolved_rows() const;
-  // Rows of the bonds whose points are not made yet, ascending, the same on all ranks. pattern_of(): their template.
+  // Rows of the bonds whose points are not made yet, ascending, the same on all ranks. template_of(): their template.
   std::vector<int> rows_without_points() const;
-  const PointTemplate& pattern_of(int row) const { return patterns[table[row].pattern - 1]; }
+  const PointTemplate& template_of(int row) const { return templates[table[row].point_template - 1]; }
   // Returns null if this rank has neither points nor nodes of the bond.
   Bond* find(int bond_row);
   const Bond* find(int bond_row) const;

@@ -31,7 +31,7 @@ BondMotion sums_of_motion(const Grid& grid, double kick) {
 }
 
 // Solves M (V, omega) = missing momentum. Lengths are in cells, which makes the entries of similar size.
-void give_back_motion(Grid& grid, const BondMotion& before, const BondMotion& now) {
+void restore_rigid_motion(Grid& grid, const BondMotion& before, const BondMotion& now) {
   if (!(now.mass > 0.0) || !(before.mass > 0.0)) return;
   const double h = grid.h;
   Eigen::Matrix<double, 6, 6> M = Eigen::Matrix<double, 6, 6>::Zero();

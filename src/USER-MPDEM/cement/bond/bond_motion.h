@@ -20,7 +20,7 @@ BondMotion sums_of_motion(const Grid& grid, double kick);
 // Adds the rigid motion that restores momentum, and angular momentum about the centre of mass, from `now` to `before`.
 // The centre of mass shifts with mass that changes its node. So the angular momentum about a fixed point would depend
 // on a uniform velocity of the whole scene.
-void give_back_motion(Grid& grid, const BondMotion& before, const BondMotion& now);
+void restore_rigid_motion(Grid& grid, const BondMotion& before, const BondMotion& now);
 
 }  // namespace mpdem
 

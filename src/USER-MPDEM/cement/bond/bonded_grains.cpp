@@ -40,7 +40,7 @@ void BondedGrains::replace(std::vector<Grain> now) {
   for (std::size_t n = 0; n < now.size() && !changed_; ++n) {
     now[n].ends = std::move(grains[n].ends);
     now[n].mass_ratio = grains[n].mass_ratio;
-    now[n].made_for = grains[n].made_for;
+    now[n].radius_at_creation = grains[n].radius_at_creation;
   }
   grains = std::move(now);
   sudden_loads_.assign(grains.size(), Six{});
@@ -68,7 +68,7 @@ std::vector<BondedGrains::OwnedEnd> BondedGrains::find_ends(MPI_Comm comm, const
 
 void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density) {
   owned_ = find_ends(comm, bonds, false, ends);
-  for (Bond& b : bonds) b.first_end = ends.find(b.row, 0);
+  for (Bond& b : bonds) b.first_end_index = ends.find(b.row, 0);
   for (Grain& g : grains) g.ends.clear();
   for (std::size_t k = 0; k < owned_.size(); ++k) grains[owned_[k].grain].ends.push_back(static_cast<int>(k));
   std::vector<double> cement(grains.size(), 0.0);
@@ -77,7 +77,7 @@ void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density) {
       const std::size_t grain = record.has_grain(s) ? slot_of(record.grain[s]) : grains.size();
       if (grain == grains.size()) continue;
       cement[grain] += density * record.volume;
-      grains[grain].made_for = record.radius[s];
+      grains[grain].radius_at_creation = record.radius[s];
     }
   changed_ = false;
   int some = 0, any;
@@ -96,7 +96,7 @@ BondedGrains::EndsOfAll BondedGrains::ends_of_all(MPI_Comm comm, const Bonds& bo
   return of_all;
 }
 
-void BondedGrains::wake(MPI_Comm comm, Bonds& bonds, double density, const std::vector<BondEnd>& woken) {
+void BondedGrains::rebind_ends(MPI_Comm comm, Bonds& bonds, double density, const std::vector<BondEnd>& woken) {
   std::vector<BondEnd> before(ends.ends);
   before.insert(before.end(), woken.begin(), woken.end());
   const auto comes_before = [](const BondEnd& a, const BondEnd& b) {
@@ -133,13 +133,13 @@ void BondedGrains::hand_out(const Bonds& bonds, const std::vector<OwnedEnd>& own
 }
 
 void BondedGrains::distribute_as_before(const Bonds& bonds, double dt) {
-  struct GridIndex {
+  struct Pose {
     std::array<double, 3> x;
     std::array<double, 4> q;
   };
-  std::vector<GridIndex> now;
+  std::vector<Pose> now;
   for (Grain& grain : grains) {
-    GridIndex& p = now.emplace_back();
+    Pose& p = now.emplace_back();
     std::copy(grain.x, grain.x + 3, p.x.begin());
     std::copy(grain.state->q, grain.state->q + 4, p.q.begin());
     if (grain.state->position_known) std::copy(grain.state->x, grain.state->x + 3, grain.x);
@@ -194,7 +194,7 @@ void BondedGrains::keep_velocities(double dt_last) {
   }
 }
 
-void BondedGrains::watch_late_loads(bool after) {
+void BondedGrains::record_late_loads(bool after) {
   for (Grain& g : grains)
     for (int d = 0; d < 6; ++d) g.state->late_load[d] = after ? g.state->late_load[d] + g.force[d] : -g.force[d];
 }
@@ -209,7 +209,7 @@ void BondedGrains::solve(MPI_Comm comm, const Bonds& bonds, CondensedPack& conde
   std::vector<GrainAccelerations::OfBond> of_bonds;
   if (!summed_)
     for (const Bond& b : bonds.resolved())
-      if (!b.added.empty()) of_bonds.push_back({&b.added, &b.grid, b.first_end});
+      if (!b.added.empty()) of_bonds.push_back({&b.added, &b.grid, b.first_end_index});
   summed_ = false;
   accelerations_.find(comm, of_bonds, grains, load_, ends, fresh_, condensed);
   fresh_ = false;
@@ -219,7 +219,7 @@ void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedP
   if (!any_free_) return;
   std::vector<EndMoments> moments(ends.ends.size());
   for (const Bond& b : bonds.resolved())
-    if (const SharedImpulse* shared = b.mechanism<SharedImpulse>()) shared->add_moments(b.grid, ends_of(b), &moments[b.first_end]);
+    if (const SharedImpulse* shared = b.mechanism<SharedImpulse>()) shared->add_moments(b.grid, ends_of(b), &moments[b.first_end_index]);
   load_.resize(grains.size());
   for (std::size_t g = 0; g < grains.size(); ++g)
     for (int d = 0; d < 6; ++d) {
@@ -269,7 +269,7 @@ void BondedGrains::clear_sudden_forces() {
 void BondedGrains::resume_sudden_loads(double dt) {
   sudden_loads_.assign(grains.size(), Six{});
   for (std::size_t n = 0; n < grains.size(); ++n)
-    for (int d = 0; d < 6; ++d) sudden_loads_[n][d] = 2.0 / dt * grains[n].state->owed[d];
+    for (int d = 0; d < 6; ++d) sudden_loads_[n][d] = 2.0 / dt * grains[n].state->pending_impulse[d];
 }
 
 void BondedGrains::follow_jumps(Bond& b, double dt, double dt_last, const std::array<double, 3>& weight, EnergyBalance& balance) {
@@ -306,29 +306,29 @@ void BondedGrains::add_loads_of_cement(double dt, EnergyBalance& balance, const 
     for (int d = 0; d < 6; ++d) {
       const double sudden = sudden_loads_[n][d] + condensed.jump_load(n, d);
       grains[n].force[d] += sudden;
-      grains[n].state->owed[d] = 0.5 * dt * sudden;
+      grains[n].state->pending_impulse[d] = 0.5 * dt * sudden;
     }
 }
 
-void BondedGrains::keep_loads() {
+void BondedGrains::save_loads() {
   taken_back_ = false;
-  kept_loads_.resize(grains.size());
-  for (std::size_t n = 0; n < grains.size(); ++n) std::copy(grains[n].force, grains[n].force + 6, kept_loads_[n].begin());
+  saved_loads_.resize(grains.size());
+  for (std::size_t n = 0; n < grains.size(); ++n) std::copy(grains[n].force, grains[n].force + 6, saved_loads_[n].begin());
 }
 
-void BondedGrains::take_back_loads() {
+void BondedGrains::restore_loads() {
   taken_back_ = true;
-  taken_loads_.resize(grains.size());
+  withdrawn_loads_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {
-    std::copy(kept_loads_[n].begin(), kept_loads_[n].end(), grains[n].force);
-    std::copy(grains[n].state->load, grains[n].state->load + 6, taken_loads_[n].begin());
+    std::copy(saved_loads_[n].begin(), saved_loads_[n].end(), grains[n].force);
+    std::copy(grains[n].state->load, grains[n].state->load + 6, withdrawn_loads_[n].begin());
   }
 }
 
-void BondedGrains::count_loads_taken_back(double dt_last, EnergyBalance& balance) const {
+void BondedGrains::correct_work_of_withdrawn_loads(double dt_last, EnergyBalance& balance) const {
   for (std::size_t n = 0; n < grains.size(); ++n) {
     const GrainState& g = *grains[n].state;
-    for (int d = 0; d < 6; ++d) balance.do_work(-0.5 * dt_last * (taken_loads_[n][d] - g.load[d]) * g.v[d]);
+    for (int d = 0; d < 6; ++d) balance.do_work(-0.5 * dt_last * (withdrawn_loads_[n][d] - g.load[d]) * g.v[d]);
   }
 }
 
@@ -481,7 +481,7 @@ void BondedGrains::start_added_mass(MPI_Comm comm, Bonds& bonds, int first_row, 
   distribute(bonds);
 }
 
-void BondedGrains::go_back_half_a_step(const Bonds& bonds, double dt_last) {
+void BondedGrains::stagger_velocities(const Bonds& bonds, double dt_last) {
   std::vector<Six> rates(owned_.size()), found(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {
     std::copy(grains[n].acceleration, grains[n].acceleration + 6, found[n].begin());

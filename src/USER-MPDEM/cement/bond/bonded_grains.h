@@ -51,8 +51,8 @@ class BondedGrains {
     int grain, at, row, side;
   };
   const std::vector<OwnedEnd>& owned() const { return owned_; }
-  BondEnd* ends_of(const Bond& b) { return &ends.ends[b.first_end]; }
-  const BondEnd* ends_of(const Bond& b) const { return &ends.ends[b.first_end]; }
+  BondEnd* ends_of(const Bond& b) { return &ends.ends[b.first_end_index]; }
+  const BondEnd* ends_of(const Bond& b) const { return &ends.ends[b.first_end_index]; }
   bool any_free() const { return any_free_; }  // true if a grain of any rank is free
 
   // Inertia of the cement of a grain over the inertia of the grain against it, for the free directions of the grain. A
@@ -66,7 +66,7 @@ class BondedGrains {
   void bind(MPI_Comm comm, Bonds& bonds, double density);
   // Collective. Call when bonds were activated in a step. They get ends, and the other ends keep their state. woken:
   // state of the new ends, ascending, on ranks that had the condensed bonds.
-  void wake(MPI_Comm comm, Bonds& bonds, double density, const std::vector<BondEnd>& woken);
+  void rebind_ends(MPI_Comm comm, Bonds& bonds, double density, const std::vector<BondEnd>& woken);
   // Collective. Sends the motion of the grains to all ranks that have ends of bonds on them.
   void distribute(const Bonds& bonds);
   // Collective. Returns ends of all bonds, condensed ones too, with the present motion of the grains.
@@ -88,7 +88,7 @@ class BondedGrains {
   // Keeps the velocities at the end of a step. find_commands() compares with them.
   void keep_velocities(double dt_last);
   // Finds the loads that the host adds after the cement in a step. Call before (false) and after (true) them.
-  void watch_late_loads(bool after);
+  void record_late_loads(bool after);
 
   // Collective. Finds the accelerations of free grains in one of n sub-steps of a step. The load of the host is that so
   // far plus the late load of the last step if n = 1, else the load that is spread over the sub-steps.
@@ -100,7 +100,7 @@ class BondedGrains {
     summed_ = true;
   }
   void sum_up(const Bond& b) {
-    if (summed_ && !b.added.empty()) accelerations_.add({&b.added, &b.grid, b.first_end}, ends);
+    if (summed_ && !b.added.empty()) accelerations_.add({&b.added, &b.grid, b.first_end_index}, ends);
   }
   void added_mass_changed() { fresh_ = true; }
   // Did the iteration for some accelerations end before it reached its precision? The same on all ranks.
@@ -117,12 +117,12 @@ class BondedGrains {
   // Collective. Adds the forces of the cement to the grains in one of n sub-steps of a step, once the ends have the
   // forces of all bonds. A grain gets 1/n of the cement load, and loses the load of the host that is spread.
   void react(double dt, int n, EnergyBalance& energy, const CondensedPack& condensed);
-  // keep_loads() stores the loads without those of the cement. take_back_loads() restores them, so another react() can
+  // save_loads() stores the loads without those of the cement. restore_loads() restores them, so another react() can
   // find the loads of the cement anew. The counted work of jumps remains. The half step before has the work of the
-  // loads that were taken back. count_loads_taken_back() corrects it.
-  void keep_loads();
-  void take_back_loads();
-  void count_loads_taken_back(double dt_last, EnergyBalance& energy) const;
+  // loads that were taken back. correct_work_of_withdrawn_loads() corrects it.
+  void save_loads();
+  void restore_loads();
+  void correct_work_of_withdrawn_loads(double dt_last, EnergyBalance& energy) const;
   // Collective. Gives momentum, and angular momentum about its centre, to each grain. The grain and its condensed bonds
   // change velocity at once, in the free directions of the grain. Accelerations are those of this impulse until
   // distribute(). Returns the energy that grains of this rank gain, including the work on prescribed directions.
@@ -136,7 +136,7 @@ class BondedGrains {
   // of the grains.
   void share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack& condensed);
   // Sets the forces that are reported after a step of n sub-steps: all loads of host and cement.
-  void show_loads(int n);
+  void set_reported_loads(int n);
   // Collective. Finds the reaction of added mass that followed jumps, or whose nodes changed velocity by transfer, and
   // counts its work. react() calls this, and adds the reaction to the grains.
   void react_to_jumps(double dt, EnergyBalance& energy);
@@ -159,7 +159,7 @@ class BondedGrains {
   // the time of the step.
   void start_added_mass(MPI_Comm comm, Bonds& bonds, int first_row, bool any_added_mass, EnergyBalance& energy);
   // Sets the velocities of new grains back to the middle of the last step, as for the nodes of new bonds.
-  void go_back_half_a_step(const Bonds& bonds, double dt_last);
+  void stagger_velocities(const Bonds& bonds, double dt_last);
 
   // Work of the grains on bonds from first_row on, in a step, without that of jumps and transfers, counted elsewhere.
   EnergyBalance::StepWork work(double dt_last, int first_row) const;
@@ -195,7 +195,7 @@ class BondedGrains {
   GrainAccelerations accelerations_, impulses_;
   bool summed_ = false;  // begin_sums() was called
   std::vector<GrainAccelerations::Vector6> load_;
-  std::vector<Six> kept_loads_, taken_loads_,
+  std::vector<Six> saved_loads_, withdrawn_loads_,
       sudden_loads_;  // of each grain: loads of the host, of the cement, of jumps and transfers in this step
   bool taken_back_ = false;
   bool changed_ = true, any_free_ = false, fresh_ = false, sudden_forces_are_due_ = false;

@@ -43,7 +43,7 @@ class Formulation {
   // True if a bond needs a new layout after its atoms were exchanged between ranks.
   virtual bool needs_layout(const Bond& b) const { return b.changed(); }
   // Call after the layout of a bond.
-  virtual void follow_layout(Bond& b) const { b.average.let_points_stand(true); }
+  virtual void follow_layout(Bond& b) const { b.average.set_points_fixed(true); }
   // Call once the nodes of a new bond have their velocity.
   virtual void start(Bond&) const {}
   // Sorts links by the slots of their points. Returns true if the host may not know the present slots of points.

@@ -57,7 +57,8 @@ struct StepInput {
 };
 
 struct Scene {
-  static constexpr int kWatchEvery = 5;  // steps of the cement between two checks for separation, and between remappings of contact points
+  static constexpr int kTopologyInterval =
+      5;  // steps of the cement between two checks for separation, and between remappings of contact points
 
   const OwnComm comm;
   CementOptions options;
@@ -91,8 +92,8 @@ struct Scene {
   // Time from the middle of the last step to the middle of this one.
   double kick() const { return 0.5 * (dt_last + now.dt); }
   // Steps of the host between two of these checks, which are in the first sub-step.
-  int watch_every() const { return std::max(1, kWatchEvery / now.substeps); }
-  bool is_watch_step() const { return begins_step() && (now.number - 1) % watch_every() == 0; }
+  int topology_interval() const { return std::max(1, kTopologyInterval / now.substeps); }
+  bool is_topology_step() const { return begins_step() && (now.number - 1) % topology_interval() == 0; }
 
   double density() const { return inertia / options.mass_scale; }
   bool leaves_residue() const { return penalty && penalty->law->leaves_residue(); }
@@ -102,7 +103,7 @@ struct Scene {
   double friction() const { return penalty ? std::max(penalty->friction, 0.0) : 0.0; }
   bool touches() const { return penalty && penalty->friction >= 0.0; }
   // Are contact points mapped to other material points in this step?
-  bool contacts_move() const { return touches() && is_watch_step(); }
+  bool contacts_move() const { return touches() && is_topology_step(); }
   bool faces_touch() const { return touches() && options.split; }
 
   // weight() is the acceleration by gravity that acts on the inertia of the cement, in the axes of the box.

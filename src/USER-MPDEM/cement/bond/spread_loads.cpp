@@ -19,7 +19,7 @@ namespace mpdem {
 namespace {
 constexpr double kWeight = 0.1;              // weight of the last load in <>
 constexpr double kSlow = 0.02, kFast = 0.5;  // weight of the last load in a mean
-constexpr double kSwing = 0.5;               // below this ratio the load oscillates
+constexpr double kOscillating = 0.5;         // below this ratio the load oscillates
 
 // Updates the averages <e> and <|e|^2> of a grain. Returns the weight of the last load in a mean.
 double weight_of_last(const double* load, double radius, GrainState& s) {
@@ -32,7 +32,7 @@ double weight_of_last(const double* load, double radius, GrainState& s) {
   }
   s.off_squared += kWeight * (squared - s.off_squared);
   const double share = s.off_squared > 0.0 ? of_mean / s.off_squared : 0.0;
-  return kSlow + (kFast - kSlow) * std::fmax(0.0, share - kSwing) / (1.0 - kSwing);
+  return kSlow + (kFast - kSlow) * std::fmax(0.0, share - kOscillating) / (1.0 - kOscillating);
 }
 }  // namespace
 
@@ -67,7 +67,7 @@ void BondedGrains::spread_loads(int n) {
     }
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, f = (d + 2) % 3;
-      s.between[3 + d] -= (s.bent[e] * before[f] - s.bent[f] * before[e]) / (n - 1);
+      s.between[3 + d] -= (s.path_offset[e] * before[f] - s.path_offset[f] * before[e]) / (n - 1);
     }
   }
 }
@@ -103,7 +103,7 @@ void BondedGrains::react(double dt, int n, EnergyBalance& energy, const Condense
   }
 }
 
-void BondedGrains::show_loads(int n) {
+void BondedGrains::set_reported_loads(int n) {
   if (n == 1) return;
   for (Grain& g : grains)
     for (int d = 0; d < 6; ++d) g.force[d] += g.cement_load[d] - g.cement_load[d] / n - g.load_of_other_substeps[d] + g.spread(d, n);

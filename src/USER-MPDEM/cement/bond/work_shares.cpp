@@ -10,28 +10,28 @@ namespace mpdem {
 
 namespace {
 
-constexpr double kEvenEnough = 1.02;
+constexpr double kTargetImbalance = 1.02;
 
 double mean(const std::vector<double>& work) { return std::accumulate(work.begin(), work.end(), 0.0) / static_cast<double>(work.size()); }
 
 }  // namespace
 
-bool is_beside(const SubdomainIndex& brick, const SubdomainIndex& low, const SubdomainIndex& high) {
+bool is_adjacent(const SubdomainIndex& brick, const SubdomainIndex& low, const SubdomainIndex& high) {
   for (int d = 0; d < 3; ++d)
     if (brick[d] < high[d] - 1 || brick[d] > low[d] + 1) return false;
   return true;
 }
 
-double unevenness(const std::vector<double>& work) {
+double load_imbalance(const std::vector<double>& work) {
   const double all = mean(work);
   return all > 0.0 ? *std::max_element(work.begin(), work.end()) / all : 1.0;
 }
 
 std::vector<BondMove> rebalance(const std::vector<SubdomainIndex>& bricks, std::vector<MovableBond> bonds, std::vector<double> work) {
-  if (unevenness(work) <= kUneven) return {};
+  if (load_imbalance(work) <= kAllowedImbalance) return {};
   std::sort(bonds.begin(), bonds.end(), [](const MovableBond& a, const MovableBond& b) { return a.row < b.row; });
   std::map<int, int> moved;  // rank by row
-  while (unevenness(work) > kEvenEnough) {
+  while (load_imbalance(work) > kTargetImbalance) {
     const int from = static_cast<int>(std::max_element(work.begin(), work.end()) - work.begin());
     MovableBond* best = nullptr;
     int to = from;
@@ -40,7 +40,7 @@ std::vector<BondMove> rebalance(const std::vector<SubdomainIndex>& bricks, std::
       if (b.rank != from) continue;
       for (std::size_t rank = 0; rank < work.size(); ++rank) {
         const double gain = std::min(b.work, work[from] - work[rank] - b.work);
-        if (gain <= most || !is_beside(bricks[rank], b.low, b.high)) continue;
+        if (gain <= most || !is_adjacent(bricks[rank], b.low, b.high)) continue;
         most = gain;
         best = &b;
         to = static_cast<int>(rank);

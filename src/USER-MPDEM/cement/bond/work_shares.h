@@ -27,13 +27,13 @@ struct BondMove {
 };
 
 // True if the subdomain touches all of those from `low` to `high`, or is one of them.
-bool is_beside(const SubdomainIndex& brick, const SubdomainIndex& low, const SubdomainIndex& high);
+bool is_adjacent(const SubdomainIndex& brick, const SubdomainIndex& low, const SubdomainIndex& high);
 
 // The largest work of a rank over the mean; 1 if there is no work.
-double unevenness(const std::vector<double>& work_of_ranks);
+double load_imbalance(const std::vector<double>& work_of_ranks);
 
 // Unevenness below which the work counts as even.
-constexpr double kUneven = 1.1;
+constexpr double kAllowedImbalance = 1.1;
 
 // Greedy algorithm: each move is the best one from the rank that has most work. It ends when that rank has at most 2 %
 // more than the mean, or when no move reduces its work. Returns the moves, ascending in row; none if the work is even.

@@ -179,8 +179,8 @@ bool CondensedBonds::matches_static_solution(const Bond& resolved, const BondRec
     still.film = resolved.film;
     still.grid = resolved.grid;
     still.links = resolved.links;
-    go_back_to_creation(still.points);
-    go_back_to_creation(still.film.points);
+    revert_field(still.points);
+    revert_field(still.film.points);
     std::fill(still.grid.displacement.begin(), still.grid.displacement.end(), 0.0);
     c = {resolved.layout, now.damaged_volume, now.failed, nullptr};
     try {
@@ -210,11 +210,11 @@ bool CondensedBonds::matches_static_solution(const Bond& resolved, const BondRec
   return true;
 }
 
-bool CondensedBonds::pieces_rest(Bond& resolved, const BondRecord& record, const BondEnd* ends, double energy,
-                                 const LoadHistory::Largest& largest, const double* gravity, double dt_last, const Law& law) {
-  if (loose_points(resolved.points) >= kLeastLoose) return false;
+bool CondensedBonds::matches_rigid_pieces(Bond& resolved, const BondRecord& record, const BondEnd* ends, double energy,
+                                          const LoadHistory::Largest& largest, const double* gravity, double dt_last, const Law& law) {
+  if (points_in_fragments(resolved.points) >= kLeastLoose) return false;
   // Fragments carry no load, and may be in free flight.
-  const std::vector<signed char> holding = grains_that_hold_nodes(resolved);
+  const std::vector<signed char> holding = attached_grains_of_nodes(resolved);
   energy -= energy_of_fragments(resolved, holding, law, dt_last);
   const std::vector<CondensedModel> models = models_of_pieces(resolved, holding, frame_of(record, EndsAtCreation(record).ends).middle);
   const double radius = LoadHistory::radius_of(record);

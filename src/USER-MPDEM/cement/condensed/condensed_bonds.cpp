@@ -93,8 +93,8 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   if (is_too_heavy(model, record))
     throw BadState(
         text_of("the static fields of the bond of grains ", record.grain[0], " and ", record.grain[1],
-                " are far off at nodes that hold by next to nothing; use ",
-                record.pattern > 0
+                " are far off at nodes that are connected by almost nothing; use ",
+                record.point_template > 0
                     ? "'points now' of create_cement, with which such a bond stays resolved, 'overlap skip' where neighbours trimmed it, "
                     : "'edge tied' where edges are free, points that hold, ",
                 "or 'condense no'"));
@@ -141,7 +141,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::of_pieces(MPI_Co
   return s;
 }
 
-bool CondensedBonds::solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& law) {
+bool CondensedBonds::solve_shared(MPI_Comm comm, Bonds& bonds, int row, const Law& law) {
   const BondRecord& record = bonds.table[row];
   Bond* b = bonds.find(row);
   std::shared_ptr<const Solution> s;
@@ -170,7 +170,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
     std::shared_ptr<const Solution> solution;
   };
   std::unordered_multimap<std::size_t, Known> known;
-  for (const auto& p : patterns_) known.emplace(p.second.described, Known{&p.second.of.bond, &p.second.of.record, p.second.solution});
+  for (const auto& p : templates_) known.emplace(p.second.described, Known{&p.second.of.bond, &p.second.of.record, p.second.solution});
   std::vector<char> cut(rows.size(), 0), solved_already(rows.size(), 1);
   std::vector<int> without;  // rows that did not converge
   std::string trouble;
@@ -218,7 +218,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
   for (std::size_t n = 0; n < rows.size(); ++n) {
     if (cut[n]) cut_.insert(rows[n]);
     else cut_.erase(rows[n]);
-    if (cut[n] && !solved_already[n] && !solve_cut(comm, bonds, rows[n], law)) without.push_back(rows[n]);
+    if (cut[n] && !solved_already[n] && !solve_shared(comm, bonds, rows[n], law)) without.push_back(rows[n]);
   }
   without = union_of_ranks(comm, without);
   without_field_last_ = without;
@@ -231,18 +231,18 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
   return without;
 }
 
-void CondensedBonds::take_patterns(MPI_Comm comm, std::vector<OfPattern> laid_out, int patterns, bool all_anew, const Law& law,
-                                   const PenaltyParameters& links, double inertia) {
+void CondensedBonds::install_templates(MPI_Comm comm, std::vector<TemplateBond> laid_out, int templates, bool all_anew, const Law& law,
+                                       const PenaltyParameters& links, double inertia) {
   solved_last_ = 0;
-  std::map<int, PatternSolution> before;
-  if (all_anew) before.swap(patterns_);
+  std::map<int, TemplateSolution> before;
+  if (all_anew) before.swap(templates_);
   const std::size_t of_all = hash_of_run(links, inertia);
   std::string trouble;
-  for (OfPattern& o : laid_out) {
-    PatternSolution& p = patterns_[o.pattern];
+  for (TemplateBond& o : laid_out) {
+    TemplateSolution& p = templates_[o.point_template];
     p.of = std::move(o);
     p.described = described(p.of.bond, p.of.record).hash() ^ of_all;
-    const PatternSolution was = std::move(before[p.of.pattern]);
+    const TemplateSolution was = std::move(before[p.of.point_template]);
     if (was.solution && was.described == p.described) {
       p.solution = was.solution;
       continue;
@@ -255,12 +255,12 @@ void CondensedBonds::take_patterns(MPI_Comm comm, std::vector<OfPattern> laid_ou
     }
   }
   throw_if_any(comm, trouble);
-  if (patterns == 0) return;
+  if (templates == 0) return;
   const int me = rank_in(comm);
-  std::vector<int> first(patterns, std::numeric_limits<int>::max());
-  for (const auto& p : patterns_) first[p.first - 1] = me;
-  MPI_Allreduce(MPI_IN_PLACE, first.data(), patterns, MPI_INT, MPI_MIN, comm);
-  for (auto& p : patterns_) p.second.of.counts = first[p.first - 1] == me;
+  std::vector<int> first(templates, std::numeric_limits<int>::max());
+  for (const auto& p : templates_) first[p.first - 1] = me;
+  MPI_Allreduce(MPI_IN_PLACE, first.data(), templates, MPI_INT, MPI_MIN, comm);
+  for (auto& p : templates_) p.second.of.counts = first[p.first - 1] == me;
 }
 
 // Sends the model of each bond to all ranks that have a grain of it.
@@ -274,10 +274,10 @@ void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains&
   members_.clear();
   for (int row = 0; row < static_cast<int>(owner.size()); ++row) {
     const BondRecord& record = bonds.table[row];
-    if (record.pattern > 0 && record.condensed) {
+    if (record.point_template > 0 && record.condensed) {
       const bool first = grains.find(record.grain[0]), here = first || grains.find(record.grain[1]);
-      const auto p = here ? patterns_.find(record.pattern) : patterns_.end();
-      if (p != patterns_.end()) members_.push_back({row, first, p->second.solution, -1});
+      const auto p = here ? templates_.find(record.point_template) : templates_.end();
+      if (p != templates_.end()) members_.push_back({row, first, p->second.solution, -1});
       continue;
     }
     if (owner[row] == std::numeric_limits<int>::max()) continue;
@@ -560,18 +560,18 @@ double CondensedBonds::largest_root(Bond& b, const BondRecord& record, int membe
 // The bound uses norms of the strain, and may be several times the root itself. Points are examined when the bound
 // reaches the level of activation, and again when the motion has changed by the margin of the last examination. So the
 // step of activation does not depend on when points were examined.
-std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options, const Law& law, std::vector<int>& together) {
-  const double times = options.advance.nonlocal ? bound_of_averages(law) : 1.0, wakes = root_of_share(law, options.wake) / times;
+std::vector<int> CondensedBonds::rows_due(Bonds& bonds, const CementOptions& options, const Law& law, std::vector<int>& together) {
+  const double times = options.advance.nonlocal ? bound_of_averages(law) : 1.0, activation_root = root_of_share(law, options.wake) / times;
   std::vector<int> rows;
-  if (!pack_.any_level_reaches(wakes)) return rows;
+  if (!pack_.any_level_reaches(activation_root)) return rows;
   for (std::size_t member = 0; member < members_.size(); ++member) {
     const Member& m = members_[member];
-    if (pack_.level(static_cast<int>(member)) < wakes) continue;
+    if (pack_.level(static_cast<int>(member)) < activation_root) continue;
     double changed = 0.0;
-    for (int j = 0; j < 6; ++j) changed += std::fabs(pack_.relative(static_cast<int>(member), j) - m.looked_at[j]) * m.solution->bound[j];
+    for (int j = 0; j < 6; ++j) changed += std::fabs(pack_.relative(static_cast<int>(member), j) - m.examined_at[j]) * m.solution->bound[j];
     if (times * changed < m.margin) continue;
-    const int pattern = bonds.table[m.row].pattern;
-    Bond* b = pattern == 0 ? bonds.find(m.row) : m.owns ? &patterns_.at(pattern).of.bond : nullptr;
+    const int point_template = bonds.table[m.row].point_template;
+    Bond* b = point_template == 0 ? bonds.find(m.row) : m.owns ? &templates_.at(point_template).of.bond : nullptr;
     if (!b) continue;
     if (options.advance.nonlocal && cut_.count(m.row) > 0) together.push_back(m.row);
     else if (note_check(member, largest_root(*b, bonds.table[m.row], static_cast<int>(member), options, law), options, law))
@@ -582,11 +582,11 @@ std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options,
 
 bool CondensedBonds::note_check(std::size_t member, double root, const CementOptions& options, const Law& law) {
   Member& m = members_[member];
-  for (int j = 0; j < 6; ++j) m.looked_at[j] = pack_.relative(static_cast<int>(member), j);
-  const double wakes = root_of_share(law, options.wake), bound = pack_.level(static_cast<int>(member));
-  m.margin = options.advance.nonlocal ? margin_of_average(law, bound_of_averages(law) * bound, root, wakes)
-                                      : margin_of_root(law, bound, root, wakes);
-  return root >= wakes;
+  for (int j = 0; j < 6; ++j) m.examined_at[j] = pack_.relative(static_cast<int>(member), j);
+  const double activation_root = root_of_share(law, options.wake), bound = pack_.level(static_cast<int>(member));
+  m.margin = options.advance.nonlocal ? margin_of_average(law, bound_of_averages(law) * bound, root, activation_root)
+                                      : margin_of_root(law, bound, root, activation_root);
+  return root >= activation_root;
 }
 
 bool CondensedBonds::note_check(int bond_row, double root, const CementOptions& options, const Law& law) {
@@ -604,7 +604,7 @@ void CondensedBonds::forget_candidates_but(const Bonds& bonds) {
 std::size_t CondensedBonds::memory_usage() const {
   std::size_t bytes = members_.capacity() * sizeof(Member) + pack_.memory_usage();
   std::set<const Solution*> solutions;  // shared by bonds
-  for (const auto& p : patterns_) {
+  for (const auto& p : templates_) {
     bytes += p.second.of.bond.memory_usage();
     solutions.insert(p.second.solution.get());
   }

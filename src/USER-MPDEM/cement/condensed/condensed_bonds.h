@@ -57,21 +57,21 @@ class CondensedBonds {
   int solved_last() const { return solved_last_; }  // number of solutions that this rank found last, templates included
   const std::vector<int>& without_field_last() const { return without_field_last_; }  // result of the last solve()
   // A laid-out bond that represents all bonds of a template, and the record of one of them.
-  struct OfPattern {
-    int pattern;
+  struct TemplateBond {
+    int point_template;
     Bond bond;
     BondRecord record;
     bool counts = true;  // true on the first of the ranks that have the template
   };
   // Collective. Adds the laid-out bonds of templates to those that are here, or replaces these (all_anew). Solves those
   // that are new or changed. patterns: number of templates. Call before solve().
-  void take_patterns(MPI_Comm comm, std::vector<OfPattern> laid_out, int patterns, bool all_anew, const Law& law,
-                     const PenaltyParameters& links, double inertia);
-  bool has_pattern(int pattern) const { return patterns_.count(pattern) > 0; }
+  void install_templates(MPI_Comm comm, std::vector<TemplateBond> laid_out, int templates, bool all_anew, const Law& law,
+                         const PenaltyParameters& links, double inertia);
+  bool has_template(int point_template) const { return templates_.count(point_template) > 0; }
   // Calls f(bond) for each template that this rank counts, so that each template counts on one rank.
   template <class F>
-  void each_pattern(F f) const {
-    for (const auto& p : patterns_)
+  void for_each_template(F f) const {
+    for (const auto& p : templates_)
       if (p.second.of.counts) f(p.second.of.bond);
   }
   // Collective. Finds the grains of the condensed bonds. Call after bonds or grains moved to other ranks.
@@ -110,7 +110,7 @@ class CondensedBonds {
   const PointSums& sums_of_points(int bond_row) const { return find(bond_row)->solution->sums; }
   std::vector<int> owned_rows() const;
   std::vector<int> rows_without_points(const Bonds& bonds) const;  // owned rows whose points are made later
-  const OfPattern& of_pattern(const BondRecord& record) const { return patterns_.at(record.pattern).of; }
+  const TemplateBond& of_pattern(const BondRecord& record) const { return templates_.at(record.point_template).of; }
   // Work in a step of the loads on the grains of this rank, and of the weight, for bonds from first_row on.
   EnergyBalance::StepWork work(const BondedGrains& grains, const Bonds& bonds, const double* gravity, double dt_last, int first_row) const;
   // Work on the cement when commands changed velocities of grains between two runs, by the velocity jumps of the ends.
@@ -119,11 +119,11 @@ class CondensedBonds {
   // Returns the rows of this rank that are to be activated. Examines the points of a bond, or of its template, only
   // where an upper bound of the driving force does not exclude it. A nonlocal average over points of several ranks
   // needs all of them: such rows are added to `together`, and all ranks have to examine them and call note_check().
-  std::vector<int> due(Bonds& bonds, const CementOptions& options, const Law& law, std::vector<int>& together);
+  std::vector<int> rows_due(Bonds& bonds, const CementOptions& options, const Law& law, std::vector<int>& together);
   // Records the largest root of the driving force (mpm/field_drive.h) of the points of a condensed bond on all ranks.
   // Returns whether the bond is to be activated.
   bool note_check(int bond_row, double root, const CementOptions& options, const Law& law);
-  bool any_cut() const { return !cut_.empty(); }  // true if ranks share a condensed bond; the same on all ranks
+  bool any_shared() const { return !cut_.empty(); }  // true if ranks share a condensed bond; the same on all ranks
   // Motion of the nodes of a bond by the static fields, three numbers a node. Velocities are those for grain velocities
   // plus `later` times the grain accelerations.
   struct NodeMotion {
@@ -144,8 +144,8 @@ class CondensedBonds {
                                const double* gravity, double dt_last, const Law& law);
   // The same for a separated bond: does the attached cement move with its grains as rigid pieces? The limits are
   // kChange of the largest load that the bond had, and of the energy with that load.
-  bool pieces_rest(Bond& resolved, const BondRecord& record, const BondEnd* ends, double energy, const LoadHistory::Largest& largest,
-                   const double* gravity, double dt_last, const Law& law);
+  bool matches_rigid_pieces(Bond& resolved, const BondRecord& record, const BondEnd* ends, double energy,
+                            const LoadHistory::Largest& largest, const double* gravity, double dt_last, const Law& law);
   // Momentum at both ends of a bond that may be condensed, half a step earlier, as loads: momentum of its nodes, and of
   // the condensed bond with the motion of these ends. Call the latter after solve().
   GrainLoads momentum_of_nodes(const Bond& resolved, const BondRecord& record, const BondEnd* ends) const;
@@ -174,7 +174,7 @@ class CondensedBonds {
     bool owns;
     std::shared_ptr<const Solution> solution;  // without fields if this rank has no points
     int piece = -1;                            // grain of the bond that has this piece; -1: a whole bond
-    double looked_at[6] = {};                  // relative motion when its points were examined last
+    double examined_at[6] = {};                // relative motion when its points were examined last
     double margin = 0.0;                       // change of the bound that requires the next examination
   };
   const CondensedModel& model_of(std::size_t member) const {
@@ -186,7 +186,7 @@ class CondensedBonds {
   static std::shared_ptr<const Solution> of_pieces(MPI_Comm comm, Bond* b, const BondRecord& record, const Law& law);
   static std::shared_ptr<const Solution> solved(MPI_Comm comm, Bond* b, const BondRecord& record, const Law& law,
                                                 int most = kMostStaticSteps);
-  bool solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& law);  // collective; false: no convergence
+  bool solve_shared(MPI_Comm comm, Bonds& bonds, int row, const Law& law);  // collective; false: no convergence
   double largest_root(Bond& b, const BondRecord& record, int member, const CementOptions& options, const Law& law) const;
   bool note_check(std::size_t member, double root, const CementOptions& options, const Law& law);
   void show_strain(Bond& bond, int member) const;
@@ -207,12 +207,12 @@ class CondensedBonds {
   std::array<BondEnd, 2> loaded_ends_of_member(std::size_t member, const Bonds& bonds, const double* gravity) const;
   NodeMotion nodes_of_pieces(const Bond& bond, const BondRecord& record, double later) const;
 
-  struct PatternSolution {
-    OfPattern of;
+  struct TemplateSolution {
+    TemplateBond of;
     std::shared_ptr<const Solution> solution;
     std::size_t described = 0;  // hash of the description that was solved
   };
-  std::map<int, PatternSolution> patterns_;
+  std::map<int, TemplateSolution> templates_;
   std::map<int, std::shared_ptr<const Solution>> solutions_;  // by row, of bonds with points on this rank
   std::map<int, std::size_t> described_;                      // hashes of the descriptions that were solved
   int solved_last_ = 0;

@@ -25,12 +25,12 @@ BondRecord record_of_piece(const BondRecord& record, int s) {
 std::array<BondEnd, 2> loaded_ends_of_piece(const BondEnd& end) { return {end, end}; }
 
 namespace {
-int loose_lanes(const BlockMeta& m) { return m.occupied & ~m.failed & ~m.connected[0] & ~m.connected[1]; }
+int lanes_in_fragments(const BlockMeta& m) { return m.occupied & ~m.failed & ~m.connected[0] & ~m.connected[1]; }
 }  // namespace
 
-int loose_points(const PointStore& points) {
+int points_in_fragments(const PointStore& points) {
   int count = 0;
-  for (const BlockMeta& m : points.meta) count += __builtin_popcount(loose_lanes(m));
+  for (const BlockMeta& m : points.meta) count += __builtin_popcount(lanes_in_fragments(m));
   return count;
 }
 
@@ -38,7 +38,7 @@ double energy_of_fragments(const Bond& bond, const std::vector<signed char>& hol
   double energy = 0.0;
   with_law(of_any_kind, [&](const auto& law) {
     for (std::size_t b = 0; b < bond.points.meta.size(); ++b) {
-      const int loose = loose_lanes(bond.points.meta[b]);
+      const int loose = lanes_in_fragments(bond.points.meta[b]);
       if (loose == 0) continue;
       const PointBlock& p = bond.points.blocks[b];
       energy +=
@@ -52,18 +52,19 @@ double energy_of_fragments(const Bond& bond, const std::vector<signed char>& hol
   return energy;
 }
 
-std::vector<signed char> grains_that_hold_nodes(Bond& bond) {
+std::vector<signed char> attached_grains_of_nodes(Bond& bond) {
   std::vector<signed char> grain;
-  for (char held : nodes_held(bond.points, bond.grid)) grain.push_back(static_cast<signed char>(held == 1 || held == 2 ? held - 1 : -1));
+  for (char held : connected_grains_of_nodes(bond.points, bond.grid))
+    grain.push_back(static_cast<signed char>(held == 1 || held == 2 ? held - 1 : -1));
   return grain;
 }
 
 std::vector<signed char> grains_of_nodes(Bond& bond, const BondRecord& record) {
-  std::vector<signed char> grain = grains_that_hold_nodes(bond);
+  std::vector<signed char> grain = attached_grains_of_nodes(bond);
   for (std::size_t i = 0; i < grain.size(); ++i) {
     if (grain[i] >= 0) continue;
     const Eigen::Vector3d X = position_of(bond.grid, static_cast<int>(i));
-    grain[i] = static_cast<signed char>(nearer_side(record, nearer_to_first(record, X.data())));
+    grain[i] = static_cast<signed char>(nearer_grain(record, nearer_to_first(record, X.data())));
     if (!record.has_grain(grain[i])) grain[i] = static_cast<signed char>(1 - grain[i]);
   }
   return grain;

@@ -28,7 +28,7 @@ constexpr int kLeastSteps = 40;
 // Shift of the operator of static_displacement(): this share of the largest nodal ratio of stiffness to mass, times the
 // mass of each node. Without it, the inertia of a node beside failed points, which has almost no stiffness, would move
 // it by metres. A mode whose squared frequency is r times the shift is found with a relative error of 1/(1 + r).
-constexpr double kHeld = 1e-4;
+constexpr double kShift = 1e-4;
 constexpr int kMostStepsOfForce = 1000;
 
 // The equations of one bond. Vectors have three numbers a node. Constrained nodes are no unknowns.
@@ -52,13 +52,13 @@ class Equations {
     std::vector<double> rows(2 * grid.size(), 0.0);
     system->links.add_stiffness(grid, system->ends, std::numeric_limits<double>::infinity(), rows.data());
     grid.halo.sum(rows.data(), 2);
-    held_.assign(grid.size(), 0.0);
+    shift_.assign(grid.size(), 0.0);
     inverse_.assign(grid.size(), 0.0);
     for (int i = 0; i < grid.size(); ++i) {
       const double d = stiffness[i] + rows[2 * i] + rows[2 * i + 1];
       if (!moves(i) || !(d > 0.0)) continue;
-      held_[i] = square * grid.mass[i];
-      inverse_[i] = 1.0 / (d + held_[i]);
+      shift_[i] = square * grid.mass[i];
+      inverse_[i] = 1.0 / (d + shift_[i]);
     }
   }
 
@@ -91,7 +91,7 @@ class Equations {
   }
   double preconditioned(std::size_t i) const { return inverse_[i / 3]; }
   // The shift of component i.
-  double held(std::size_t i) const { return held_[i / 3]; }
+  double held(std::size_t i) const { return shift_[i / 3]; }
 
   // Maximum and sum over the ranks of the bond.
   double largest(double mine) const {
@@ -114,7 +114,7 @@ class Equations {
   const StaticSystem* system_;
   std::vector<PenaltyLinks::Secant> secants_;
   std::vector<double> inverse_;  // preconditioner, one number a node
-  std::vector<double> held_;     // shift of the operator, one number a node
+  std::vector<double> shift_;    // shift of the operator, one number a node
 };
 
 // Motion of a grain at `arm` from the middle: translation of its centre and rotation, due to motion j about the middle.
@@ -221,7 +221,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
           "the static equilibrium of ",
           system ? text_of("the bond of grains ", system->record.grain[0], " and ", system->record.grain[1]) : std::string("a bond"),
           " was not found in ", steps,
-          " steps, since nodes at its edge or between points that failed hold by next to nothing; use 'edge tied' where "
+          " steps, since nodes at its edge or between points that failed are connected by almost nothing; use 'edge tied' where "
           "edges are free, or look at its points, elasticity and links"));
     bond.products += 2 + steps;
     equations.force(x, motion[j], force[j], load_of[j]);
@@ -239,7 +239,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
 }
 
 std::vector<double> static_displacement(MPI_Comm comm, const StaticSystem* system, std::vector<double> force) {
-  Equations equations(comm, system, kHeld);
+  Equations equations(comm, system, kShift);
   std::vector<double> x(force.size(), 0.0);
   iterate(equations, x, force, equations.size_of(force), kDecline, kMostStepsOfForce);
   if (system) system->grid.ties.extend(x.data());

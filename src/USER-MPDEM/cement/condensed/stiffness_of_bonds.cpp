@@ -42,7 +42,7 @@ class StiffnessFinder {
   StiffnessFinder(const std::vector<BondRecord>& table, std::vector<BondLayout>& layouts, const BondedGrains::EndsOfAll& grains,
                   const Law& law)
       : table_(table), layouts_(layouts), grains_(grains), law_(law), found_(table.size(), StiffnessOfBond{}) {
-    for (const BondLayout& l : layouts_) told_.push_back(l.row);
+    for (const BondLayout& l : layouts_) reported_.push_back(l.row);
   }
 
   // Solves the bonds that are whole on this rank.
@@ -66,7 +66,7 @@ class StiffnessFinder {
   }
 
   // Collective. Solves the bonds that several ranks share.
-  void solve_cut(MPI_Comm comm) {
+  void solve_shared(MPI_Comm comm) {
     std::vector<char> cut(table_.size(), 0);
     std::vector<int> at(table_.size(), -1);
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
@@ -80,25 +80,25 @@ class StiffnessFinder {
 
   // Solves bonds whose points are made later: one solution for all bonds of a template. The rank that owns the first
   // grain of a bond reports it.
-  void solve_patterns(std::vector<CondensedBonds::OfPattern> laid_out) {
+  void solve_templates(std::vector<CondensedBonds::TemplateBond> laid_out) {
     std::map<int, StiffnessOfBond> solved;
-    for (CondensedBonds::OfPattern& o : laid_out) {
+    for (CondensedBonds::TemplateBond& o : laid_out) {
       const EndsAtCreation at(o.record);
-      write(solve_static({o.bond.points, o.bond.grid, o.bond.links, at.ends, o.record, law_, o.bond.film}), solved[o.pattern]);
+      write(solve_static({o.bond.points, o.bond.grid, o.bond.links, at.ends, o.record, law_, o.bond.film}), solved[o.point_template]);
     }
     for (const BondedGrains::OwnedEnd& o : grains_.owned) {
-      const int pattern = table_[o.row].pattern;
-      if (pattern == 0 || o.side != 0) continue;
-      StiffnessOfBond& of_pattern = solved.at(pattern);
+      const int point_template = table_[o.row].point_template;
+      if (point_template == 0 || o.side != 0) continue;
+      StiffnessOfBond& of_pattern = solved.at(point_template);
       found_[o.row] = of_pattern;
       of_pattern.products = 0.0;
-      told_.push_back(o.row);
+      reported_.push_back(o.row);
     }
   }
 
   // Condensed bonds are solved in the configuration at creation. Rotates their results to the present one.
   void turn_condensed() {
-    for (int row : told_) {
+    for (int row : reported_) {
       if (!table_[row].condensed) continue;
       StiffnessOfBond& s = found_[row];
       Eigen::Map<Eigen::Vector3d> middle(s.middle);
@@ -111,7 +111,7 @@ class StiffnessFinder {
   }
 
   void into_box() {
-    for (int row : told_) {
+    for (int row : reported_) {
       const BondRecord& record = table_[row];
       StiffnessOfBond& s = found_[row];
       const std::array<double, 3> middle = position_in_box(record, axes_of(record), s.middle);
@@ -124,7 +124,7 @@ class StiffnessFinder {
   std::vector<StiffnessOfBond> of_all(MPI_Comm comm) {
     const int me = rank_in(comm);
     std::vector<int> owner(table_.size(), std::numeric_limits<int>::max());
-    for (int row : told_) owner[row] = me;
+    for (int row : reported_) owner[row] = me;
     MPI_Allreduce(MPI_IN_PLACE, owner.data(), static_cast<int>(owner.size()), MPI_INT, MPI_MIN, comm);
     for (std::size_t row = 0; row < owner.size(); ++row)
       if (owner[row] != me) found_[row] = StiffnessOfBond{};
@@ -163,7 +163,7 @@ class StiffnessFinder {
   const BondedGrains::EndsOfAll& grains_;
   const Law& law_;
   std::vector<StiffnessOfBond> found_;
-  std::vector<int> told_;                           // rows that this rank reports
+  std::vector<int> reported_;                       // rows that this rank reports
   mutable std::map<int, EndsAtCreation> creation_;  // of condensed bonds
 };
 
@@ -183,15 +183,15 @@ std::vector<StiffnessOfBond> stiffness_of_bonds(const Scene& scene, std::vector<
   layouts.erase(std::remove_if(layouts.begin(), layouts.end(), is_alone), layouts.end());
   StiffnessFinder finder(scene.bonds().table, layouts, grains, *scene.law);
   std::string trouble;
-  std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(scene, patterns_of_owned_grains(scene), &*scene.penalty);
+  std::vector<CondensedBonds::TemplateBond> template_bonds = layouts_of_templates(scene, templates_of_owned_grains(scene), &*scene.penalty);
   try {
     finder.solve_whole();
-    finder.solve_patterns(std::move(of_patterns));
+    finder.solve_templates(std::move(template_bonds));
   } catch (const BadState& e) {
     trouble = e.what();
   }
   throw_if_any(scene.comm, trouble);
-  finder.solve_cut(scene.comm);
+  finder.solve_shared(scene.comm);
   finder.turn_condensed();
   finder.into_box();
   return finder.of_all(scene.comm);
@@ -201,7 +201,7 @@ namespace {
 
 StiffnessOfBond stiffness_of_film(Film film, const BondRecord& record, const Scene& scene) {
   lay_out_film(film, record, scene.options, scene.law);
-  go_back_to_creation(film.points);
+  revert_field(film.points);
   for (BlockMeta& m : film.points.meta) {
     m.failed = 0;
     m.damaged = false;
@@ -225,14 +225,14 @@ std::vector<StiffnessOfBond> stiffness_of_films(const Scene& scene) {
     if (!film.empty()) mine[row] = stiffness_of_film(film, bonds.table[row], scene);
   };
   for (const Bond& b : bonds) add(b.row, b.film);
-  std::map<int, int> first_of_pattern;
+  std::map<int, int> first_of_template;
   for (int row : bonds.rows_without_points()) {
     if (!scene.grains.find(bonds.table[row].grain[0])) continue;
-    const auto [first, fresh] = first_of_pattern.try_emplace(bonds.table[row].pattern, row);
+    const auto [first, fresh] = first_of_template.try_emplace(bonds.table[row].point_template, row);
     if (const auto known = mine.find(first->second); known != mine.end()) mine[row] = known->second;
     if (!fresh) continue;
     Film film;
-    const PointTemplate& p = bonds.pattern_of(row);
+    const PointTemplate& p = bonds.template_of(row);
     for (std::size_t n = 0; n < p.points.size(); ++n)
       if (p.points[n].film) film.points.add(p.record(n, row, bonds.table[row]), static_cast<int>(n) + 1);
     add(row, film);

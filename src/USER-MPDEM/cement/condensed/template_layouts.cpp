@@ -13,7 +13,7 @@ namespace mpdem {
 namespace {
 
 // Lays out bonds that are whole on this rank, in their configuration at creation.
-std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, Bonds& alone, const PenaltyParameters* penalty) {
+std::vector<CondensedBonds::TemplateBond> layouts_at_creation(const Scene& scene, Bonds& alone, const PenaltyParameters* penalty) {
   const CementOptions& options = scene.options;
   NodeSplitting splits;
   NewLayersOfBonds layers = splits.start(MPI_COMM_SELF, alone, options);
@@ -31,7 +31,7 @@ std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, B
     rows.push_back(b.row);
   }
   const LayoutRules rules{MPI_COMM_SELF, alone.table, options, scene.law, scene.inertia, penalty, splits, *scene.formulation};
-  std::vector<CondensedBonds::OfPattern> found;
+  std::vector<CondensedBonds::TemplateBond> found;
   for (BondLayout& l : make_layout(rules, rows, std::move(requests))) {
     found.push_back({l.row + 1, Bond(), alone.table[l.row], true});
     Bond& b = found.back().bond;
@@ -46,35 +46,36 @@ std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, B
 
 }  // namespace
 
-std::vector<int> patterns_of_owned_grains(const Scene& scene) {
+std::vector<int> templates_of_owned_grains(const Scene& scene) {
   const auto owned = [&](int tag) { return scene.grains.find(tag) != nullptr; };
-  std::vector<char> needed(scene.bonds().patterns.size() + 1, 0);
+  std::vector<char> needed(scene.bonds().templates.size() + 1, 0);
   for (const BondRecord& b : scene.bonds().table)
-    if (b.pattern > 0 && !needed[b.pattern]) needed[b.pattern] = owned(b.grain[0]) || owned(b.grain[1]);
-  std::vector<int> patterns;
+    if (b.point_template > 0 && !needed[b.point_template]) needed[b.point_template] = owned(b.grain[0]) || owned(b.grain[1]);
+  std::vector<int> templates;
   for (std::size_t p = 1; p < needed.size(); ++p)
-    if (needed[p]) patterns.push_back(static_cast<int>(p));
-  return patterns;
+    if (needed[p]) templates.push_back(static_cast<int>(p));
+  return templates;
 }
 
-std::vector<CondensedBonds::OfPattern> layouts_of_patterns(const Scene& scene, const std::vector<int>& patterns,
-                                                           const PenaltyParameters* penalty) {
+std::vector<CondensedBonds::TemplateBond> layouts_of_templates(const Scene& scene, const std::vector<int>& templates,
+                                                               const PenaltyParameters* penalty) {
   Bonds alone;  // one row for each template, so that keys of nodes are equal on all ranks
-  alone.table.resize(scene.bonds().patterns.size());
-  std::vector<char> known(scene.bonds().patterns.size() + 1, 1);
-  for (int p : patterns) known[p] = 0;
+  alone.table.resize(scene.bonds().templates.size());
+  std::vector<char> known(scene.bonds().templates.size() + 1, 1);
+  for (int p : templates) known[p] = 0;
   for (const BondRecord& record : scene.bonds().table) {
-    if (record.pattern == 0 || known[record.pattern]) continue;
-    known[record.pattern] = 1;
-    const int row = record.pattern - 1;
-    const PointTemplate& pattern = scene.bonds().patterns[row];
+    if (record.point_template == 0 || known[record.point_template]) continue;
+    known[record.point_template] = 1;
+    const int row = record.point_template - 1;
+    const PointTemplate& point_template = scene.bonds().templates[row];
     alone.table[row] = record;
-    for (std::size_t n = 0; n < pattern.points.size(); ++n) alone.add(pattern.record(n, row, record), static_cast<int>(n) + 1);
+    for (std::size_t n = 0; n < point_template.points.size(); ++n)
+      alone.add(point_template.record(n, row, record), static_cast<int>(n) + 1);
   }
-  std::vector<CondensedBonds::OfPattern> found;
+  std::vector<CondensedBonds::TemplateBond> found;
   std::string trouble;
   try {
-    if (!patterns.empty()) found = layouts_at_creation(scene, alone, penalty);
+    if (!templates.empty()) found = layouts_at_creation(scene, alone, penalty);
   } catch (const BadState& e) {
     trouble = e.what();
   }

@@ -14,12 +14,12 @@
 namespace mpdem {
 
 // Numbers (from 1) of the templates whose bonds have a grain on this rank, ascending.
-std::vector<int> patterns_of_owned_grains(const Scene& scene);
+std::vector<int> templates_of_owned_grains(const Scene& scene);
 
 // Collective. patterns: numbers of the templates that this rank needs, ascending. Each layout is whole on this rank.
 // penalty: parameters of the links; null: no links. Throws BadState on all ranks.
-std::vector<CondensedBonds::OfPattern> layouts_of_patterns(const Scene& scene, const std::vector<int>& patterns,
-                                                           const PenaltyParameters* penalty);
+std::vector<CondensedBonds::TemplateBond> layouts_of_templates(const Scene& scene, const std::vector<int>& templates,
+                                                               const PenaltyParameters* penalty);
 
 }  // namespace mpdem
 

@@ -102,7 +102,7 @@ void CementMaker::fill_by_file(Fill& f) {
   o.spacing = wish_.spacing;
   o.attach = wish_.attach;
   const double* first = bond.grain[0].x;
-  o.to_body = [&](const Vector3& x) -> Vector3 {
+  o.to_bond = [&](const Vector3& x) -> Vector3 {
     return plan_.box().shortest(Vector3(x[0] - first[0], x[1] - first[1], x[2] - first[2])) + bond.pair.centre(0);
   };
   PointCloud cloud = read_points(text, wish_.file, bond.pair, o);
@@ -117,7 +117,7 @@ void CementMaker::fill_by_file(Fill& f) {
   if (me_ == 0 && cloud.largest_volume > 1.05 * std::pow(wish_.spacing, 3))
     host_.warn(text_of("file '", wish_.file, "': points of up to ", cloud.largest_volume,
                        " are larger than a cell of a lattice of spacing ", wish_.spacing, ", ", std::pow(wish_.spacing, 3),
-                       "; cracks and crevices are found by such cells: use the spacing of the points"));
+                       "; cracks and gaps are found by such cells: use the spacing of the points"));
   record.volume = cloud.volume;
   record.thickness = cloud.thickness;
   std::copy(cloud.attached_area, cloud.attached_area + 2, record.attached_area);
@@ -127,7 +127,7 @@ void CementMaker::fill_by_file(Fill& f) {
 void CementMaker::check_grains_of_file(std::size_t bond, const std::map<int, int>& line) const {
   for (const auto& g : line)
     if (std::none_of(grains_.begin(), grains_.end(), [&](const Sphere& s) { return s.tag == g.first; }))
-      throw BadState(text_of(plan_.prefix(bond), place_in_file(wish_.file, g.second), "grain ", g.first,
+      throw BadState(text_of(plan_.prefix(bond), line_in_file(wish_.file, g.second), "grain ", g.first,
                              " does not exist; create it before, or leave its lines out"));
 }
 

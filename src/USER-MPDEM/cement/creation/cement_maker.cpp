@@ -20,7 +20,7 @@ constexpr int kListed = 20;  // number of bonds reported one by one
 constexpr double kFewCells = 2.0;
 
 // Describes how the bond is resolved.
-std::string of_cells(const CementPlan::Kind& kind, const CementWish& wish) {
+std::string of_cells(const CementPlan::Kind& kind, const CementRequest& wish) {
   if (!wish.file.empty()) return "";
   const double cell = kCellOfPoints * wish.spacing;
   if (kind.width == 0.0) return "  all of it is film, thinner or narrower than cells of two points\n";
@@ -59,7 +59,7 @@ CementMaker::CementMaker(MPI_Comm comm, CementPlan& plan, std::vector<BondRecord
 }
 
 CementMaker::Sums CementMaker::make() {
-  if (wish_.overlap == CementWish::trim) near_ = plan_.neighbours();
+  if (wish_.overlap == CementRequest::trim) near_ = plan_.neighbours();
   group_fills();
   for (std::size_t from = 0; from < plan_.bonds().size();) {
     Batch batch;
@@ -112,13 +112,13 @@ void CementMaker::make_batch(Batch& batch) {
   make_fills(batch, trouble);
   for (std::size_t n = batch.from; n < batch.to; ++n) batch.records.push_back(record_of(n));
   batch.kept.assign(batch.records.size(), 1);
-  const bool shared_out = wish_.overlap == CementWish::trim;
+  const bool shared_out = wish_.overlap == CementRequest::trim;
   const int rows = static_cast<int>(shared_out ? first_row_ : table_.size() + batch.records.size());
   resolve(batch, overlaps(batch, rows), trouble);
   check_other_grains(batch, trouble);
   check_numbers(batch, trouble);
   trouble.stop(comm_);
-  if (wish_.later) choose_patterns(batch);
+  if (wish_.later) choose_templates(batch);
   else create(batch);
   if (me_ == 0) report(batch);
   for (std::size_t n = 0; n < batch.records.size(); ++n) {
@@ -163,12 +163,12 @@ void CementMaker::create(const Batch& batch) {
 }
 
 // Gives the bonds templates instead of points.
-void CementMaker::choose_patterns(Batch& batch) {
+void CementMaker::choose_templates(Batch& batch) {
   for (std::size_t k = 0; k < batch.records.size(); ++k) {
     if (!batch.kept[k]) continue;
     Fill& f = fills_[fill_of_bond_[batch.from + k]];
-    if (f.pattern == 0) f.pattern = host_.pattern_of(f.points);
-    batch.records[k].pattern = f.pattern;
+    if (f.point_template == 0) f.point_template = host_.template_of(f.points);
+    batch.records[k].point_template = f.point_template;
   }
 }
 
@@ -214,7 +214,7 @@ void CementMaker::report(const Batch& batch) {
     if (coarse && listed_ >= kListed) coarse_.add(cells_across(kind));
     ++listed_;
     if (listed_ > kListed) continue;
-    host_.say(told_of(batch.from + k, batch.records[k]));
+    host_.say(report_of(batch.from + k, batch.records[k]));
     if (thin)
       host_.warn(text_of("pair ", batch.records[k].grain[0], " ", batch.records[k].grain[1], ": the cement is ", kind.thinnest,
                          " thin at its inner rim, less than two spacings: the film there is too soft and will not break; use 'film "
@@ -243,7 +243,7 @@ double CementMaker::cells_across(const CementPlan::Kind& kind) const {
   return std::min(kind.thickness, kind.width) / (kCellOfPoints * wish_.spacing);
 }
 
-std::string CementMaker::told_of(std::size_t n, const BondRecord& record) {
+std::string CementMaker::report_of(std::size_t n, const BondRecord& record) {
   const PlannedBond& bond = plan_.bonds()[n];
   const CementPlan::Kind& kind_told = plan_.kind_of(n);
   const double whole = kind_told.volume;

@@ -55,7 +55,7 @@ class CementMakerHost {
   // Creates those points that belong to this rank, and returns their number. more: whether other calls follow.
   virtual std::size_t create_points(const std::vector<NewBond>& bonds, bool more) = 0;
   // Returns the template, counted from 1, of bonds whose points are made later. All ranks pass the same points.
-  virtual int pattern_of(const std::vector<FillPoint>& points) = 0;
+  virtual int template_of(const std::vector<FillPoint>& points) = 0;
   // The maker calls these two on the first rank alone.
   virtual void say(const std::string& text) = 0;
   virtual void warn(const std::string& text) = 0;
@@ -104,7 +104,7 @@ class CementMaker {
     std::vector<char> sent;                                    // for each rank: whether the points were sent to it
     Vector3 corner = Vector3::Zero();                          // origin from the middle of the gap
     Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rotation to the axes of the planned bond; a file may have its own axes
-    int pattern = 0;                                           // template that the host gave; 0: not known yet
+    int point_template = 0;                                    // template that the host gave; 0: not known yet
   };
   // Bonds from `from` to `to` (exclusive) that are made together, with their records.
   struct Batch {
@@ -123,12 +123,12 @@ class CementMaker {
   std::size_t end_of_batch(std::size_t from) const;
   void make_batch(Batch& batch);
   void create(const Batch& batch);
-  void choose_patterns(Batch& batch);
+  void choose_templates(Batch& batch);
   BondRecord record_of(std::size_t bond) const;
   const Fill& fill_of(std::size_t bond) const { return fills_[fill_of_bond_[bond]]; }
   void forget_fills();
   void report(const Batch& batch);
-  std::string told_of(std::size_t bond, const BondRecord& record);
+  std::string report_of(std::size_t bond, const BondRecord& record);
   double cells_across(const CementPlan::Kind& kind) const;
 
   // cement_fills.cpp
@@ -153,7 +153,7 @@ class CementMaker {
   MPI_Comm comm_;
   int me_, ranks_;
   CementPlan& plan_;
-  const CementWish& wish_;
+  const CementRequest& wish_;
   std::vector<BondRecord>& table_;
   CementMakerHost& host_;
   const std::size_t first_row_;

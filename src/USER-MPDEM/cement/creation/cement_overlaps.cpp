@@ -91,10 +91,10 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Batch& batch, int 
   std::map<int, PointsNear> by_cells;  // points of the fills that are needed
   std::map<std::pair<std::size_t, int>, double> found;
   // x: middle of a full cell
-  const auto look = [&](std::size_t k, int row, const Coordinates& of_body, double spacing, const Vector3& x) {
+  const auto look = [&](std::size_t k, int row, const Coordinates& of_other, double spacing, const Vector3& x) {
     const PointsNear& near =
         by_cells.try_emplace(fill_of_bond_[batch.from + k], fill_of(batch.from + k).points, 2.0 * margin[0]).first->second;
-    const double inside = near.volume_around(of[k].into(x), 0.5 * spacing * (1.0 - 1e-6), of[k].to(of_body));
+    const double inside = near.volume_around(of[k].into(x), 0.5 * spacing * (1.0 - 1e-6), of[k].to(of_other));
     if (inside > 0.0) found[{batch.from + k, row}] += inside;
   };
   if (there > 0)
@@ -133,7 +133,7 @@ void CementMaker::resolve(Batch& batch, const std::vector<Overlap>& found, BondT
     const std::size_t k = o.bond - batch.from;
     if (!batch.kept[k] || (o.row >= there && !batch.kept[o.row - there])) continue;
     const BondRecord &record = batch.records[k], &other = o.row < there ? table_[o.row] : batch.records[o.row - there];
-    if (wish_.overlap == CementWish::skip) {
+    if (wish_.overlap == CementRequest::skip) {
       batch.kept[k] = 0;
       skipped_.emplace_back(record.grain[0], record.grain[1]);
       continue;
@@ -142,7 +142,7 @@ void CementMaker::resolve(Batch& batch, const std::vector<Overlap>& found, BondT
                  plan_.prefix(o.bond) +
                      text_of("the cement of grains ", record.grain[0], " and ", record.grain[1], " overlaps that of grains ",
                              other.grain[0], " and ", other.grain[1], ", in a volume of ", o.volume, " of ", record.volume) +
-                     (wish_.overlap == CementWish::trim
+                     (wish_.overlap == CementRequest::trim
                           ? ", which is of an earlier command and stays as it is; use 'overlap skip'"
                           : "; make one of them smaller (a coating: 'cap'), leave the second out by 'overlap skip', or "
                             "share out the bonds of a 'contacts' by 'overlap trim'"));
@@ -153,7 +153,7 @@ void CementMaker::resolve(Batch& batch, const std::vector<Overlap>& found, BondT
 void CementMaker::check_other_grains(const Batch& batch, BondTrouble& trouble) const {
   struct Inside {
     std::size_t bond;
-    double points, deepest;
+    double points, largest_penetration;
     int tag;
   };
   const double tolerance = 0.5 * wish_.spacing;
@@ -180,8 +180,8 @@ void CementMaker::check_other_grains(const Batch& batch, BondTrouble& trouble) c
           const double depth = grain.radius - (p.X - centre).norm();
           if (depth <= tolerance || !plan_.box().owns(of.out(p.X))) continue;
           ++in.points;
-          if (depth > in.deepest) in.tag = grain.tag;
-          in.deepest = std::max(in.deepest, depth);
+          if (depth > in.largest_penetration) in.tag = grain.tag;
+          in.largest_penetration = std::max(in.largest_penetration, depth);
         }
       });
     if (in.points > 0.0) mine.push_back(in);
@@ -190,8 +190,8 @@ void CementMaker::check_other_grains(const Batch& batch, BondTrouble& trouble) c
   for (const Inside& in : gather_all(comm_, mine)) {
     Inside& sum = all.emplace(in.bond, Inside{in.bond, 0.0, 0.0, 0}).first->second;
     sum.points += in.points;
-    if (in.deepest > sum.deepest) sum.tag = in.tag;
-    sum.deepest = std::max(sum.deepest, in.deepest);
+    if (in.largest_penetration > sum.largest_penetration) sum.tag = in.tag;
+    sum.largest_penetration = std::max(sum.largest_penetration, in.largest_penetration);
   }
   if (all.empty()) return;
   const Inside& in = all.begin()->second;
@@ -200,7 +200,7 @@ void CementMaker::check_other_grains(const Batch& batch, BondTrouble& trouble) c
                text_of("create_cement: ", std::llround(in.points), " of ", record.points, " points of the cement of grains ",
                        record.grain[0], " and ", record.grain[1], " lie inside grain ", in.tag,
                        in.tag == record.grain[0] || in.tag == record.grain[1] ? ", in another image of the periodic box" : "",
-                       ", as deep as ", in.deepest, " (half a spacing, ", tolerance,
+                       ", as deep as ", in.largest_penetration, " (half a spacing, ", tolerance,
                        ", is allowed); make the shape smaller, a coating by 'cap' or "
                        "'thickness', or move that grain away before"));
 }

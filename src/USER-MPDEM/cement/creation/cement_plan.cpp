@@ -16,8 +16,8 @@
 namespace mpdem {
 
 namespace {
-constexpr double kRounding = 1e-9;                           // rounding of lengths that a script computed
-enum Check { geometry, shape, place_of_points, thickness };  // checks of a bond, in their order
+constexpr double kRounding = 1e-9;                              // rounding of lengths that a script computed
+enum Check { geometry, shape, position_of_points, thickness };  // checks of a bond, in their order
 }  // namespace
 
 void BondTrouble::tell(std::size_t of_bond, int of_check, const std::string& why) {
@@ -62,7 +62,7 @@ std::string CementPlan::prefix(const PlannedBond& bond) {
 
 // Rounding of positions must not strain bonds noticeably. length: length of what is strained. The links are stiffer
 // than the cement by two orders, and so are the loads that rounding causes in them.
-std::string CementPlan::trouble_of_place(const PlannedBond& bond, double length) {
+std::string CementPlan::error_of_position(const PlannedBond& bond, double length) {
   constexpr double kMostStrain = 1e-8;
   double far = 0.0;
   for (const GrainToBond& g : bond.grain)
@@ -80,7 +80,7 @@ std::string CementPlan::trouble_of_geometry(PlannedBond& bond) const {
   const Vector3 centres = bond.between = box_.shortest(Vector3(g1.x[0] - g0.x[0], g1.x[1] - g0.x[1], g1.x[2] - g0.x[2]));
   bond.pair = pair_between(g0.radius, g1.radius, centres);
   const double gap = bond.pair.gap, smaller = std::min(g0.radius, g1.radius), reach = 0.5 * smaller;
-  const std::string far = trouble_of_place(bond, smaller);
+  const std::string far = error_of_position(bond, smaller);
   if (!far.empty()) return far;
   if (!(centres.norm() > 0.0) || !(gap <= reach * (1.0 + kRounding)))
     return text_of("grains ", g0.tag, " and ", g1.tag, " are not neighbours: their gap ", gap, " exceeds half the smaller radius, ", reach,
@@ -99,7 +99,7 @@ void CementPlan::choose_axes(PlannedBond& bond) {
 }
 
 void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
-                      const std::function<void(CementWish&)>& read_words) {
+                      const std::function<void(CementRequest&)>& read_words) {
   std::unordered_multimap<int, GrainToBond> grain_of;
   for (const GrainToBond& g : gather_all(comm_, grains)) grain_of.emplace(g.tag, g);
   std::unordered_map<std::string, int> kinds;
@@ -125,8 +125,8 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
     }
     if (n == 0) read_words(wish_);
     if (wish_.file.empty()) choose_axes(bond);  // points of a file lie along the axes of the box
-    const std::string far = trouble_of_place(bond, wish_.spacing);
-    if (!far.empty()) trouble.tell(n, place_of_points, prefix(bond) + far);
+    const std::string far = error_of_position(bond, wish_.spacing);
+    if (!far.empty()) trouble.tell(n, position_of_points, prefix(bond) + far);
     bond.kind = kind_of(bond, kinds);
     bonds_.push_back(bond);
   }
@@ -205,9 +205,9 @@ const Shape& CementPlan::shape_of(int kind) {
   const PlannedBond& bond = bonds_[k.first];
   const double grain_mass = bond.grain[0].mass + bond.grain[1].mass;
   // Between rigid touching spheres the stiffness of a film has no bound.
-  const double inner = wish_.inner_rule == CementWish::given          ? wish_.inner
-                       : wish_.inner_rule == CementWish::two_spacings ? bond.pair.radius_of_thickness(2.0 * wish_.spacing)
-                                                                      : bond.pair.usual_inner(wish_.share);
+  const double inner = wish_.inner_rule == CementRequest::given          ? wish_.inner
+                       : wish_.inner_rule == CementRequest::two_spacings ? bond.pair.radius_of_thickness(2.0 * wish_.spacing)
+                                                                         : bond.pair.usual_inner(wish_.share);
   std::vector<std::unique_ptr<Shape>> made;
   for (const ShapeWords& w : wish_.shapes) {
     const auto content = w.given.find("content");
@@ -218,7 +218,7 @@ const Shape& CementPlan::shape_of(int kind) {
   if (made.size() == 1) shape = std::move(made.front());
   else shape = std::make_unique<Composite>(std::move(made));
   // with 'inner auto' nothing is too thin, but a rim may be narrow
-  if (wish_.film && wish_.inner_rule != CementWish::two_spacings) k.film = film_fill(*shape, wish_.spacing);
+  if (wish_.film && wish_.inner_rule != CementRequest::two_spacings) k.film = film_fill(*shape, wish_.spacing);
   if (!k.film.empty() && !k.film.all) k.resolved = shape->with_inner(k.film.to);
   k.shape = std::move(shape);
   return *k.shape;

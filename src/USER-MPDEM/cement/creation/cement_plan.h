@@ -27,7 +27,7 @@ namespace mpdem {
 using GrainTags = std::pair<int, int>;  // a pair of tags, ascending
 
 // Options of a command, for all its bonds.
-struct CementWish {
+struct CementRequest {
   std::vector<ShapeWords> shapes;
   std::string file;  // file from which points are read; empty: points are made of shapes
   double attach = 0.0;
@@ -88,7 +88,7 @@ class CementPlan {
   // have cement, ascending. read_words: called once the first pair has been checked. It sets the options. Throws
   // BadState.
   void make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
-            const std::function<void(CementWish&)>& read_words);
+            const std::function<void(CementRequest&)>& read_words);
 
   // Bonds of bitwise identical radii, gap, direction in the axes of the bond, and mass of the grains.
   struct Kind {
@@ -106,7 +106,7 @@ class CementPlan {
     Vector3 apart;            // vector to its middle, in the axes of the bond that it is near to
     Eigen::Quaterniond turn;  // rotation from these axes to its own
   };
-  const CementWish& wish() const { return wish_; }
+  const CementRequest& wish() const { return wish_; }
   const SceneBox& box() const { return box_; }
   const std::vector<PlannedBond>& bonds() const { return bonds_; }
   const Kind& kind_of(std::size_t bond) const { return kinds_[bonds_[bond].kind]; }
@@ -126,13 +126,13 @@ class CementPlan {
   std::string trouble_of_geometry(PlannedBond& bond) const;
   static void choose_axes(PlannedBond& bond);
   int kind_of(const PlannedBond& bond, std::unordered_map<std::string, int>& kinds);
-  static std::string trouble_of_place(const PlannedBond& bond, double length);
+  static std::string error_of_position(const PlannedBond& bond, double length);
   void measure_kinds(BondTrouble& trouble);
   void share_kinds();
 
   MPI_Comm comm_;
   SceneBox box_;
-  CementWish wish_;
+  CementRequest wish_;
   std::vector<PlannedBond> bonds_;
   std::vector<Kind> kinds_;
 };

@@ -9,11 +9,11 @@
 namespace mpdem {
 
 std::vector<std::pair<int, int>> contacts(const std::vector<Sphere>& spheres, const SceneBox& box, double gap) {
-  struct GridIndex {
+  struct SortedSphere {
     double x;
     const Sphere* grain;
   };
-  std::vector<GridIndex> sorted;
+  std::vector<SortedSphere> sorted;
   double widest = 0.0;
   for (const Sphere& g : spheres) widest = std::max(widest, g.radius);
   const double reach = 2.0 * widest + gap;
@@ -23,7 +23,7 @@ std::vector<std::pair<int, int>> contacts(const std::vector<Sphere>& spheres, co
     if (box.periodic[0] && g.x[0] - box.low[0] <= reach) sorted.push_back({g.x[0] + box.period[0], &g});
   }
   std::sort(sorted.begin(), sorted.end(),
-            [](const GridIndex& a, const GridIndex& b) { return a.x != b.x ? a.x < b.x : a.grain->tag < b.grain->tag; });
+            [](const SortedSphere& a, const SortedSphere& b) { return a.x != b.x ? a.x < b.x : a.grain->tag < b.grain->tag; });
   std::set<std::pair<int, int>> pairs;
   for (std::size_t i = 0; i < sorted.size(); ++i)
     for (std::size_t j = i + 1; j < sorted.size() && sorted[j].x - sorted[i].x <= reach; ++j) {

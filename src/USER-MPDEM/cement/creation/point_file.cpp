@@ -64,7 +64,7 @@ class Reader {
   }
   int line() const { return line_; }
   std::string where() const { return where(line_); }
-  std::string where(int line) const { return place_in_file(name_, line); }
+  std::string where(int line) const { return line_in_file(name_, line); }
 
  private:
   const std::string &text_, &name_;
@@ -297,7 +297,7 @@ class PointFile {
     RowReader reader(columns_, numbers, where);
     PointRow::describe(row, reader);
     FillPoint p;
-    p.X = o_.to_body(Vector3(row.x[0], row.x[1], row.x[2]));
+    p.X = o_.to_bond(Vector3(row.x[0], row.x[1], row.x[2]));
     p.volume = row.volume;
     if (!(p.volume > 0.0)) stop(where, "volume ", p.volume, " must be greater than 0");
     if (p.volume > kLargestVolume * std::pow(o_.spacing, 3))
@@ -336,7 +336,7 @@ class PointFile {
     const double r = from.norm();
     if (r < R - 0.5 * o_.spacing)
       stop(where, "the point lies ", R - r, " inside grain ", o_.tag[s], ", more than half the spacing, ", 0.5 * o_.spacing,
-           "; check the units and the place of the grains");
+           "; check the units and the positions of the grains");
     FillPoint::Attachment k;
     k.side = s;
     k.foot = pair_.centre(s) + R * from.normalized();
@@ -364,11 +364,11 @@ class PointFile {
     if (k.area > kLargestArea * o_.spacing * o_.spacing)
       stop(where, "area ", k.area, " at grain ", o_.tag[s], " is ", k.area / (o_.spacing * o_.spacing),
            " times a face of a lattice of spacing ", o_.spacing, "; check the units of lengths and areas and the spacing");
-    if (columns_.has(kFoot)) k.foot = o_.to_body(Vector3(side.foot[0], side.foot[1], side.foot[2]));
+    if (columns_.has(kFoot)) k.foot = o_.to_bond(Vector3(side.foot[0], side.foot[1], side.foot[2]));
     const double off = (k.foot - pair_.centre(s)).norm() - pair_.radius(s);
     if (std::fabs(off) > 1e-6 * pair_.radius(s))
       stop(where, "foot point is ", off, " off the surface of grain ", o_.tag[s],
-           "; use the units and the place of the grains for which the file was written");
+           "; use the units and the positions of the grains for which the file was written");
     if ((k.foot - p.X).norm() > kFurthestFoot * o_.spacing)
       stop(where, "the point is ", (k.foot - p.X).norm(), " from where it is attached to grain ", o_.tag[s], ", more than ", kFurthestFoot,
            " spacings");
@@ -378,7 +378,7 @@ class PointFile {
       stop(where, "column '", PointRow::kLinkDamage[s], "' is ", k.damage, "; the damage of a link must lie between 0 and 1");
     if (k.attached && k.damage == 1.0)
       stop(where, "'", PointRow::kLinkDamage[s], "' is 1 but '", PointRow::kAttached[s],
-           "' is 1 too; a link of damage 1 has let go: make one of them less");
+           "' is 1 too; a link of damage 1 has debonded: make one of them less");
     return true;
   }
 
@@ -395,7 +395,7 @@ class PointFile {
                  ? text_of("column '", kArea[s],
                            "' is 0 in all lines; give the area of the grain's surface that a point bonds, or leave 'area_i area_j' out")
                  : text_of("no point is within ", attach_,
-                           " of its surface (keyword 'attach', default one spacing); check the units and the place of the grains"));
+                           " of its surface (keyword 'attach', default one spacing); check the units and the positions of the grains"));
     for (int s = 0; s < 2; ++s) {
       const double sphere = 4.0 * M_PI * pair_.radius(s) * pair_.radius(s);
       if (cloud_.attached_area[s] > kMostOfSphere * sphere)
@@ -472,7 +472,7 @@ class PointFile {
 
 }  // namespace
 
-std::string place_in_file(const std::string& name, int line) { return "file '" + name + "', line " + std::to_string(line) + ": "; }
+std::string line_in_file(const std::string& name, int line) { return "file '" + name + "', line " + std::to_string(line) + ": "; }
 
 PointCloud read_points(const std::string& text, const std::string& name, const GrainPair& pair, const PointFileOptions& o) {
   return PointFile(text, name, pair, o).read();

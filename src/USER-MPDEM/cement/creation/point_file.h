@@ -37,7 +37,7 @@ struct PointFileOptions {
   double spacing = 0;
   double attach = 0;  // 0: one spacing
   // Converts a position in the box to coordinates from the middle of the gap, for the nearest periodic image.
-  std::function<Vector3(const Vector3&)> to_body = [](const Vector3& x) { return x; };
+  std::function<Vector3(const Vector3&)> to_bond = [](const Vector3& x) { return x; };
 };
 
 struct PointCloud {
@@ -57,7 +57,7 @@ struct PointCloud {
 };
 
 // Text with which messages begin: file and line.
-std::string place_in_file(const std::string& name, int line);
+std::string line_in_file(const std::string& name, int line);
 
 // Throws ShapeError with the name of the file and the number of the line.
 PointCloud read_points(const std::string& text, const std::string& name, const GrainPair& pair, const PointFileOptions& options);

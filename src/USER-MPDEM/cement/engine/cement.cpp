@@ -113,12 +113,13 @@ EigenvalueEstimate Cement::eigenvalue_of_new_layout() const {
   std::vector<EigenvalueSystem> of_layouts;
   for (const BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid, scene_.options.unilateral});
   const int ranks = ranks_of(scene_.comm), me = rank_in(scene_.comm);
-  std::vector<int> patterns;
+  std::vector<int> templates;
   for (int row : scene_.bonds().rows_without_points())
-    if (scene_.bonds().table[row].pattern % ranks == me) patterns.push_back(scene_.bonds().table[row].pattern);
-  sort_unique(patterns);
-  const std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(scene_, patterns, nullptr);
-  for (const CondensedBonds::OfPattern& p : of_patterns) of_layouts.push_back({&p.bond.points, &p.bond.grid, scene_.options.unilateral});
+    if (scene_.bonds().table[row].point_template % ranks == me) templates.push_back(scene_.bonds().table[row].point_template);
+  sort_unique(templates);
+  const std::vector<CondensedBonds::TemplateBond> template_bonds = layouts_of_templates(scene_, templates, nullptr);
+  for (const CondensedBonds::TemplateBond& p : template_bonds)
+    of_layouts.push_back({&p.bond.points, &p.bond.grid, scene_.options.unilateral});
   return largest_eigenvalue(scene_.comm, of_layouts, *scene_.law, kPreciseEigenvalue);
 }
 
@@ -169,16 +170,16 @@ void Cement::start_run() {
   grains.resume_sudden_loads(scene_.now.dt);
   kinematics_->find_internal_force();
   forces_.find_at_start();
-  if (new_step) keep_half_kicks(before);
+  if (new_step) correct_half_kicks(before);
   if (scene_.penalty) forces_.react();
   start_bonds();
-  grains.show_loads(scene_.now.substeps);
+  grains.set_reported_loads(scene_.now.substeps);
 }
 
 // A new time step changes the added mass, and so the accelerations. The grains made the second half kick of the last
 // step with the former accelerations. Nodes make both half kicks at once with the new ones, so their velocities get the
 // difference here.
-void Cement::keep_half_kicks(const std::vector<std::vector<double>>& accelerations) {
+void Cement::correct_half_kicks(const std::vector<std::vector<double>>& accelerations) {
   auto before = accelerations.begin();
   for (Bond& b : scene_.bonds().resolved()) {
     std::vector<double>& v = b.grid.velocity;
@@ -195,7 +196,7 @@ void Cement::start_bonds() {
   if (scene_.rows_started == rows) return;
   const double damped_ahead =
       0.5 * scene_.dt_last * work_.of_dampers(scene_.rows_started).after(0.5 * scene_.dt_last);  // before the velocities are shifted
-  if (scene_.penalty) scene_.grains.go_back_half_a_step(scene_.bonds(), scene_.dt_last);
+  if (scene_.penalty) scene_.grains.stagger_velocities(scene_.bonds(), scene_.dt_last);
   double mine = 0.0, energy;
   for (Bond& b : scene_.bonds().resolved()) {
     if (b.row < scene_.rows_started) continue;
@@ -240,7 +241,7 @@ void Cement::step() {
   scene_.substep = scene_.now.substeps;
   scene_.grains.spread_loads(scene_.now.substeps);
   advance();
-  scene_.grains.watch_late_loads(false);
+  scene_.grains.record_late_loads(false);
 }
 
 void Cement::take_substeps() {
@@ -278,7 +279,7 @@ void Cement::advance() {
   kinematics_->account_for_accelerations();
   // loads on the grains
   scene_.timer.start(StepTimer::kCoupling);
-  grains.keep_loads();
+  grains.save_loads();
   forces_.react();
   // activate bonds, and condense bonds again
   if (condensing_.change()) find_forces_anew();
@@ -287,23 +288,23 @@ void Cement::advance() {
 
 // As at the start of a run, so that a run divided at this step gives the same result.
 void Cement::find_forces_anew() {
-  scene_.grains.take_back_loads();
+  scene_.grains.restore_loads();
   scene_.grains.distribute(scene_.bonds());
   condensed_.follow(scene_.grains, scene_.weight().data());
   condensed_.pack().find_jump_loads(scene_.now.dt);
   kinematics_->find_internal_force();
   forces_.find_at_start();
   forces_.react();
-  scene_.grains.count_loads_taken_back(scene_.dt_last, scene_.energy);
+  scene_.grains.correct_work_of_withdrawn_loads(scene_.dt_last, scene_.energy);
   condensing_.count_changes();
 }
 
 void Cement::end_step() {
   go_on("end_step", Stage::step_taken, Stage::between_steps);
-  scene_.grains.watch_late_loads(true);
+  scene_.grains.record_late_loads(true);
   end_substep();
   report_.note_peaks();
-  scene_.grains.show_loads(scene_.now.substeps);
+  scene_.grains.set_reported_loads(scene_.now.substeps);
 }
 
 void Cement::end_substep() {

@@ -130,7 +130,7 @@ class Cement {
   // of a crack in contact slid too far.
   void check_state();
   // Ligaments of intact bonds. rows: ascending.
-  std::vector<Cracks::Ahead> cracks_ahead(const std::vector<int>& rows) { return topology_.ahead(rows); }
+  std::vector<Cracks::LigamentReport> cracks_ahead(const std::vector<int>& rows) { return topology_.ahead(rows); }
 
   // Restart: packs the state of all ranks, complete on rank 0. head: with the values of the host.
   std::vector<double> packed_state(CementHead head);
@@ -140,7 +140,7 @@ class Cement {
   // BadState if the state belongs to other options.
   void restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes);
   // Returns the options of the damage law that differ from that head, with both values; empty: none.
-  std::string other_words_than(const CementHead& head) const;
+  std::string changed_options_since(const CementHead& head) const;
   bool restored() const { return restored_; }
 
  private:
@@ -158,7 +158,7 @@ class Cement {
   void end_substep();
   void find_forces_anew();
   void start_bonds();
-  void keep_half_kicks(const std::vector<std::vector<double>>& accelerations);  // accelerations of resolved bonds in the last step
+  void correct_half_kicks(const std::vector<std::vector<double>>& accelerations);  // accelerations of resolved bonds in the last step
   void restore_bonds(int bond_rows, RecordReader& in);
 
   // Components in the order of construction: they refer to those above them.

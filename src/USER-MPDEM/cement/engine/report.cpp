@@ -31,7 +31,7 @@ struct NodeSums {
   // Starts with the impulses that the grains get in later steps. The nodes have got them in full.
   explicit NodeSums(const std::vector<Grain>& grains) {
     for (const Grain& grain : grains) {
-      const double* p = grain.state->owed;
+      const double* p = grain.state->pending_impulse;
       for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, g = (d + 2) % 3;
         momentum[d] += p[d];
@@ -132,7 +132,7 @@ enum Sum {
   kWork,
   kGrains,
   kLeft,
-  kCount = kLeft + kMostNumbers<EnergyBalance::Left>
+  kSums = kLeft + kMostNumbers<EnergyBalance::Left>
 };
 
 }  // namespace
@@ -141,7 +141,7 @@ CementTotals Report::totals(double reach_of_box) const {
   CementTotals t{};
   count_bonds(cracks_, resolved_bonds(), t);
   if (!scene_.laid_out) return t;
-  std::vector<double> sum(kCount, 0.0), most(1, 0.0);
+  std::vector<double> sum(kSums, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes(scene_.grains.grains);
   const CondensedBonds::Energies condensed = condensed_.energies(scene_.bonds(), 0.5 * scene_.dt_last);
@@ -176,9 +176,9 @@ CementTotals Report::totals(double reach_of_box) const {
   sum[kElastic] += of_points.elastic;
   most[0] = of_points.largest_damage;
   const EnergyBalance::Sums& balance = scene_.energy.sums();
-  const double of_books[] = {balance.dissipated, balance.released, balance.damped - balance.damped_ahead,
-                             balance.frictional - balance.frictional_ahead, balance.work - balance.work_ahead};
-  std::copy(std::begin(of_books), std::end(of_books), &sum[kDissipated]);
+  const double of_balance[] = {balance.dissipated, balance.released, balance.damped - balance.damped_ahead,
+                               balance.frictional - balance.frictional_ahead, balance.work - balance.work_ahead};
+  std::copy(std::begin(of_balance), std::end(of_balance), &sum[kDissipated]);
   for (const Grain& g : scene_.grains.grains) sum[kGrains] += scene_.options.mass_scale * kinetic_energy(g);
   pack(balance.left, &sum[kLeft]);
   for (int k : {kKinetic, kDiscreteKinetic}) sum[k] -= balance.inertial_work - balance.inertial_work_ahead;
@@ -219,12 +219,12 @@ void Report::set_totals(const std::vector<double>& sum, double reach_of_box, Cem
 
 Report::EnergyShares Report::energy_shares() const {
   if (!scene_.laid_out) return {};
-  enum { kCement, kGrains, kWork, kDissipated, kCount };
+  enum { kCement, kGrains, kWork, kDissipated, kSums };
   NodeSums of_nodes(std::vector<Grain>{});
   of_nodes.add(condensed_.energies(scene_.bonds(), 0.5 * scene_.dt_last));
   for (const Bond& bond : scene_.bonds().resolved()) of_nodes.add(bond.grid, scene_.bonds().record(bond), 0.5 * scene_.dt_last);
   const EnergyBalance::Sums& energy = scene_.energy.sums();
-  std::vector<double> sum(kCount, 0.0);
+  std::vector<double> sum(kSums, 0.0);
   sum[kCement] = of_nodes.kinetic - (energy.inertial_work - energy.inertial_work_ahead);
   sum[kWork] = energy.work - energy.work_ahead;
   for (const Grain& g : scene_.grains.grains) sum[kGrains] += scene_.options.mass_scale * kinetic_energy(g);
@@ -255,8 +255,8 @@ double Report::unbalanced_force(const std::vector<BondState>& loads, const Magni
       }
     }
   }
-  enum { kSquares, kGrains, kContacts, kSum, kCount };
-  std::vector<double> sum(kCount, 0.0);
+  enum { kSquares, kGrains, kContacts, kSum, kSums };
+  std::vector<double> sum(kSums, 0.0);
   for (const Grain& g : scene_.grains.grains) {
     if (!(g.free[0] || g.free[1] || g.free[2])) continue;
     sum[kGrains] += 1.0;
@@ -312,7 +312,7 @@ const std::vector<BondState>& Report::bond_loads() {
     b.gap = both ? length - record.radius[0] - record.radius[1] : 0.0;
     b.broken = cracks_.broken(i);
     if (!cracks_.broken(i)) continue;
-    const SeparatingSurface& s = cracks_[i].separation;
+    const FractureSurface& s = cracks_[i].separation;
     const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
     b.separated = cracks_.separated(i);
     for (int g = 0; g < 2; ++g) b.share[g] = all > 0.0 ? s.at_grain[g] / all : 0.0;
@@ -346,7 +346,7 @@ const std::vector<BondState>& Report::bond_states() {
     add(b.row, b, scene_.bonds().record(b), of_bond);
   }
   for (int row : condensed_.rows_without_points(scene_.bonds())) {
-    const CondensedBonds::OfPattern& p = condensed_.of_pattern(scene_.bonds().table[row]);
+    const CondensedBonds::TemplateBond& p = condensed_.of_pattern(scene_.bonds().table[row]);
     add(row, p.bond, p.record, condensed_.sums_of_points(row));
   }
   global_sum(sum, scene_.comm);
@@ -362,7 +362,7 @@ const std::vector<BondState>& Report::bond_states() {
   return states_;
 }
 
-std::vector<double> Report::added_mass_of_sides() const {
+std::vector<double> Report::added_mass_of_ends() const {
   std::vector<double> sum(2 * scene_.bonds().table.size(), 0.0);
   for (const Bond& b : scene_.bonds()) b.added.add_to_ends(b.grid, &sum[2 * static_cast<std::size_t>(b.row)]);
   global_sum(sum, scene_.comm);

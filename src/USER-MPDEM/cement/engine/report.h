@@ -47,7 +47,7 @@ class Report {
   // have bonds, each on one rank. The value is 0 without resultants, and 1e9 at most.
   double unbalanced_force(const std::vector<BondState>& loads, const Magnitudes& of_contacts) const;
   // Collective. Added mass at both ends of each bond (2 row + end), over all ranks.
-  std::vector<double> added_mass_of_sides() const;
+  std::vector<double> added_mass_of_ends() const;
   double cement_mass() const;                                                                      // mass on this rank, with mass scaling
   int resolved_bonds() const;                                                                      // over all ranks
   int bonds_solved() const { return condensed_.solved_last(); }                                    // at the last layout, on this rank

@@ -16,8 +16,8 @@ namespace mpdem {
 
 namespace {
 
-LawSoFar law_of(const Law& law, const CementOptions& o) {
-  LawSoFar now;
+DamageLawSettings law_of(const Law& law, const CementOptions& o) {
+  DamageLawSettings now;
   now.law = law_number(law);
   const std::vector<double> values = law.values();
   std::copy(values.begin(), values.end(), now.value);
@@ -43,7 +43,7 @@ void parse_words(CementHead& head, const CementOptions& o, const Law& law) {
 }
 
 // Options that must not change once the cement has moved. rounding: allowed relative difference of the numbers.
-struct KeptWords {
+struct KeptOption {
   std::string words;
   std::vector<double> numbers = {};
   double rounding = 0.0;
@@ -51,7 +51,7 @@ struct KeptWords {
 
 constexpr double kPrinted = 1e-5;  // relative rounding of printed numbers
 
-std::vector<KeptWords> kept_words(const CementHead& h) {
+std::vector<KeptOption> kept_options(const CementHead& h) {
   const double* e = h.elastic;
   return {
       {text_of("cell ", h.cell), {h.cell}},
@@ -65,7 +65,7 @@ std::vector<KeptWords> kept_words(const CementHead& h) {
   };
 }
 
-bool same(const KeptWords& a, const KeptWords& b) {
+bool same(const KeptOption& a, const KeptOption& b) {
   if (a.numbers.empty()) return a.words == b.words;
   return std::equal(a.numbers.begin(), a.numbers.end(), b.numbers.begin(),
                     [&](double x, double y) { return std::fabs(x - y) <= a.rounding * std::fabs(y); });
@@ -74,7 +74,7 @@ bool same(const KeptWords& a, const KeptWords& b) {
 void check_kept(const CementHead& head, const CementOptions& o, const Law& law) {
   CementHead given;
   parse_words(given, o, law);
-  const std::vector<KeptWords> now = kept_words(given), before = kept_words(head);
+  const std::vector<KeptOption> now = kept_options(given), before = kept_options(head);
   for (std::size_t n = 0; n < now.size(); ++n)
     if (!same(now[n], before[n]))
       throw BadState(text_of("'", now[n].words, "' but the restart file was written with '", before[n].words,
@@ -83,8 +83,8 @@ void check_kept(const CementHead& head, const CementOptions& o, const Law& law) 
 
 }  // namespace
 
-std::string Cement::other_words_than(const CementHead& head) const {
-  const LawSoFar now = law_of(*scene_.law, scene_.options), &was = head.law;
+std::string Cement::changed_options_since(const CementHead& head) const {
+  const DamageLawSettings now = law_of(*scene_.law, scene_.options), &was = head.law;
   const int known = static_cast<int>(law_entries().size());
   const NamedLaw& law = law_entries()[now.law - 1];
   if (was.law != now.law)
@@ -112,11 +112,13 @@ std::vector<double> Cement::packed_state(CementHead head) {
   std::vector<double> mine_of_copies;
   for (const auto& row : discontinuities_.splits->rows_to_keep(scene_.comm))
     for (const PhantomNodes::Entry& e : row.second)
-      append(CopyRow{row_of(row.first.field()), {row.first.at(0), row.first.at(1), row.first.at(2)}, e.layer, e.copy, e.first, e.volume},
-             mine_of_copies);
+      append(
+          PhantomNodeRow{
+              row_of(row.first.field()), {row.first.at(0), row.first.at(1), row.first.at(2)}, e.layer, e.copy, e.first, e.volume},
+          mine_of_copies);
   const std::vector<double> copies = gather_on_first(scene_.comm, mine_of_copies);
   head.density = scene_.density();
-  head.copies = static_cast<int>(copies.size() / kMostNumbers<CopyRow>);
+  head.copies = static_cast<int>(copies.size() / kMostNumbers<PhantomNodeRow>);
   head.rows = static_cast<int>(scene_.bonds().table.size());
   head.nodes = nodes_to_pack(scene_);
   std::vector<double> all = {CementHead::kVersion};
@@ -179,7 +181,7 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
   in.tell(of_points.trouble());
   std::map<Key, PhantomNodes::Row> copies;
   for (int n = 0; n < head.copies; ++n) {
-    CopyRow row;
+    PhantomNodeRow row;
     in.read(row);
     in.check_whole("the bond of a split node", row.row, from(0, static_cast<double>(table) - 1.0));
     copies[{field_of(row.row, 0), row.index}].push_back({row.layer, row.copy, row.first, row.volume});

@@ -47,9 +47,9 @@ CrackPoint crack_point(const PointStore& points, const BondRecord& record, int b
   p.failed = m.failed >> l & 1;
   p.connected = points.connected(slot);
   p.damage = static_cast<float>(std::max(damage, 0.0));
-  const CrevicePoint position = crevice_point(points, record, b, l);
+  const GapPoint position = gap_point(points, record, b, l);
   std::copy(position.cell, position.cell + 3, p.cell);
-  p.nearer = position.sheet;
+  p.nearer = position.nearer_grain;
   p.middle = position.middle;
   for (int n = 0; n < 6; ++n) p.space[n] = static_cast<float>(space_ahead(position, record, n / 2, n % 2 == 0 ? -1 : 1));
   for (int g = 0; g < 2; ++g) {
@@ -165,12 +165,12 @@ void Cracks::watch(const Bond& bond) {
   for (int slot : bond.failed) note(bond, slot);
 }
 
-void Cracks::watch_links(const Bond& bond) {
+void Cracks::note_debonded_links(const Bond& bond) {
   for (int link : bond.link_step.debond) note(bond, bond.points.links[link].slot);
 }
 
 // Intact film bridges the grains, wherever the rest is cracked.
-void Cracks::watch_film(const Bond& bond) {
+void Cracks::note_film_failure(const Bond& bond) {
   State& s = states_[bond.row];
   if (bond.film.holds() || s.path_cut || s.separation.separated) return;
   s.path_cut = true;
@@ -231,32 +231,32 @@ std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool f
     now[2 * n + 1] = b->film.holds();
   }
   MPI_Allreduce(MPI_IN_PLACE, now.data(), static_cast<int>(now.size()), MPI_DOUBLE, MPI_SUM, comm);
-  std::vector<int> looked_at;
+  std::vector<int> examined;
   for (std::size_t n = 0; n < rows.size(); ++n) {
     State& s = states_[rows[n]];
-    // watch_film() marks the bond once the film has failed
+    // note_film_failure() marks the bond once the film has failed
     if (now[2 * n + 1] > 0.0 || now[2 * n] == s.broken_seen) continue;
     s.broken_seen = now[2 * n];
-    looked_at.push_back(rows[n]);
+    examined.push_back(rows[n]);
   }
-  return looked_at;
+  return examined;
 }
 
 Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool residue, bool fragment, int from) {
   Found found;
-  const std::vector<int> looked_at = rows_to_check(comm, bonds, fragment, from);
-  if (looked_at.empty()) return found;
+  const std::vector<int> examined = rows_to_check(comm, bonds, fragment, from);
+  if (examined.empty()) return found;
   const int ranks = ranks_of(comm);
 
   // entries of bonds that another rank examines are empty
-  const WholeBonds whole = collect(comm, bonds, looked_at, options);
+  const WholeBonds whole = collect(comm, bonds, examined, options);
   std::vector<std::vector<Held>> held(ranks);
   std::vector<std::vector<OfPath>> paths(ranks);
   constexpr int kRow = 9;  // separated, three areas, `connected` changed, has points, three areas of the film
-  std::vector<double> result(kRow * looked_at.size(), 0.0);
-  std::vector<Separation> separations(looked_at.size());
-  for (std::size_t n = 0; n < looked_at.size(); ++n) {
-    const int r = looked_at[n];
+  std::vector<double> result(kRow * examined.size(), 0.0);
+  std::vector<Separation> separations(examined.size());
+  for (std::size_t n = 0; n < examined.size(); ++n) {
+    const int r = examined[n];
     if (const Bond* b = bonds.find(r)) {
       const Film::Areas film = b->film.areas();
       const double areas[3] = {film.at_grain[0], film.at_grain[1], film.inside};
@@ -270,46 +270,46 @@ Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const Ceme
     const double row[4] = {1.0 * s.separated, s.at_grain[0], s.at_grain[1], s.inside};
     std::copy(row, row + 4, &result[kRow * n]);
   }
-  for (std::size_t n = 0; n < looked_at.size(); ++n) {
+  for (std::size_t n = 0; n < examined.size(); ++n) {
     const std::vector<CrackPoint>& points = whole.points[n];
     if (points.empty() || !separations[n].separated) continue;
-    if (options.split && separated(looked_at[n])) continue;  // nodes of fragments split as points fail
-    std::vector<NodeSplitting::PointOfPiece>& pieces = found.came_apart.pieces[looked_at[n]];
+    if (options.split && separated(examined[n])) continue;  // nodes of fragments split as points fail
+    std::vector<NodeSplitting::PointOfPiece>& pieces = found.separated_bonds.pieces[examined[n]];
     pieces.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
       pieces.push_back({points[i].tag, separations[n].piece[i], points[i].layer, separations[n].between[i] != 0});
   }
-  for (std::size_t n = 0; n < looked_at.size(); ++n)
+  for (std::size_t n = 0; n < examined.size(); ++n)
     for (std::size_t k = 0; k < whole.points[n].size(); ++k) {
       const CrackPoint& point = whole.points[n][k];
       const WholeBonds::Source& at = whole.sources[n][k];
       const int holds = separations[n].separated ? separations[n].holds[k] : point.connected;
       if (holds == point.connected) continue;
-      held[at.rank].push_back({looked_at[n], at.slot, holds});
+      held[at.rank].push_back({examined[n], at.slot, holds});
       result[kRow * n + 4] = 1.0;
     }
   for (const Held& h : all_to_all(comm, held).data) bonds.find(h.row)->points.set_connected(h.slot, h.connected);
-  for (int r : looked_at) states_[r].path.clear();
+  for (int r : examined) states_[r].path.clear();
   for (const OfPath& p : all_to_all(comm, paths).data) states_[p.row].path.push_back(p.tag);
   MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, comm);
-  for (std::size_t k = 0; k < looked_at.size(); ++k) {
+  for (std::size_t k = 0; k < examined.size(); ++k) {
     const double* row = &result[kRow * k];
-    State& s = states_[looked_at[k]];
+    State& s = states_[examined[k]];
     // The fracture surface is that of the first separation: what fails later only makes fragments. A bond without
     // points is all film, and is examined only when that has failed.
     if (!s.separation.separated && (row[0] != 0.0 || row[5] == 0.0)) {
       s.separation.separated = true;
       for (int g = 0; g < 2; ++g) s.separation.at_grain[g] = row[1 + g] + row[6 + g];
       s.separation.inside = row[3] + row[8];
-      if (row[5] != 0.0) found.came_apart.rows.push_back(looked_at[k]);
+      if (row[5] != 0.0) found.separated_bonds.rows.push_back(examined[k]);
     }
-    if (row[4] != 0.0) found.held.push_back(looked_at[k]);
+    if (row[4] != 0.0) found.held.push_back(examined[k]);
   }
   return found;
 }
 
-std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows,
-                                         bool residue) const {
+std::vector<Cracks::LigamentReport> Cracks::find_ligaments(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
+                                                           const std::vector<int>& rows, bool residue) const {
   const WholeBonds whole = collect(comm, bonds, rows, options);
   constexpr int kWords = 5;
   std::vector<double> found(kWords * rows.size(), 0.0);
@@ -336,7 +336,7 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
     }
   }
   MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_DOUBLE, MPI_SUM, comm);
-  std::vector<Ahead> all(rows.size());
+  std::vector<LigamentReport> all(rows.size());
   for (std::size_t b = 0; b < all.size(); ++b) {
     const double* of_bond = &found[kWords * b];
     all[b].left = of_bond[0];
@@ -347,14 +347,14 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
   return all;
 }
 
-std::map<int, std::vector<char>> Cracks::grains_held(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
-                                                     const std::vector<int>& rows) const {
+std::map<int, std::vector<char>> Cracks::attached_grains(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
+                                                         const std::vector<int>& rows) const {
   const WholeBonds whole = collect(comm, bonds, rows, options);
   std::vector<std::vector<Held>> back(ranks_of(comm));
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const std::vector<CrackPoint>& points = whole.points[n];
     if (points.empty()) continue;
-    const std::vector<char> held = mpdem::grains_held(points, cells_across(bonds.table[rows[n]], options));
+    const std::vector<char> held = mpdem::attached_grains(points, cells_across(bonds.table[rows[n]], options));
     for (std::size_t k = 0; k < points.size(); ++k) back[whole.sources[n][k].rank].push_back({rows[n], whole.sources[n][k].slot, held[k]});
   }
   std::map<int, std::vector<char>> found;
@@ -369,7 +369,7 @@ void Cracks::record_failures(MPI_Comm comm, const Bonds& bonds, const CementOpti
   std::vector<int> holding;
   std::copy_if(rows.begin(), rows.end(), std::back_inserter(holding), [&](int row) { return !broken(row); });
   if (holding.empty()) return;
-  const std::vector<Ahead> found = ahead(comm, bonds, options, holding, residue);
+  const std::vector<LigamentReport> found = find_ligaments(comm, bonds, options, holding, residue);
   for (std::size_t n = 0; n < holding.size(); ++n) {
     if (found[n].left >= found[n].whole) continue;
     State& state = states_[holding[n]];
@@ -380,7 +380,7 @@ void Cracks::record_failures(MPI_Comm comm, const Bonds& bonds, const CementOpti
   }
 }
 
-const char* Cracks::mode_of(const SeparatingSurface& s) {
+const char* Cracks::mode_of(const FractureSurface& s) {
   const double share = s.debonded_share();
   return share >= 0.9 ? "debonding" : share <= 0.1 ? "internal" : "mixed";
 }

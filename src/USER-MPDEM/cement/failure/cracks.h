@@ -27,7 +27,7 @@ class Cracks {
  public:
   // State of each row of the table, the same on all ranks except path_cut.
   struct State {
-    SeparatingSurface separation;
+    FractureSurface separation;
     double broken_seen = 0;      // number of failed points and debonded links at the last examination
     std::vector<int> path;       // tags of the points of the path, ascending, see separation.h; empty: not known
     bool path_cut = false;       // the path is cut on this rank, or not searched yet
@@ -49,9 +49,9 @@ class Cracks {
   // Records whether points that fail in this step cut the path of their bond.
   void watch(const Bond& bond);
   // Records that the film of a bond failed on this rank.
-  void watch_film(const Bond& bond);
+  void note_film_failure(const Bond& bond);
   // Does the same for links that debond from intact points in this step.
-  void watch_links(const Bond& bond);
+  void note_debonded_links(const Bond& bond);
   // Collective. True if a path is cut on any rank, or a bond waits for its first examination.
   bool some_path_is_cut(MPI_Comm comm) const;
 
@@ -59,24 +59,24 @@ class Cracks {
   // those that are separated already. residue: TractionLaw::leaves_residue(). Residue distinguishes debonding from a
   // crack beside the interface, so the width of the damage band is not used then. Rows before `from` wait.
   struct Found {
-    NodeSplitting::CameApart came_apart;
+    NodeSplitting::SeparatedBonds separated_bonds;
     std::vector<int> held;  // bonds with points whose PointRecord::connected changed; ascending
   };
   Found detect_separations(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool residue, bool fragment, int from = 0);
 
   // Collective. Finds the ligament of each of these bonds, and the fracture surface that its failure would give. rows:
   // connected bonds, ascending.
-  struct Ahead {
+  struct LigamentReport {
     double left = 0.0, whole = 0.0;  // number of points of the ligament, now and in the undamaged bond
     Separation surface;
   };
-  std::vector<Ahead> ahead(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows,
-                           bool residue) const;
+  std::vector<LigamentReport> find_ligaments(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows,
+                                             bool residue) const;
 
   // Collective. By row, for each slot of this rank's points: the bits of the grains to which the piece of the point is
-  // attached now, see grains_held() of fracture/separation.h. rows: ascending, the same on all ranks.
-  std::map<int, std::vector<char>> grains_held(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
-                                               const std::vector<int>& rows) const;
+  // attached now, see attached_grains() of fracture/separation.h. rows: ascending, the same on all ranks.
+  std::map<int, std::vector<char>> attached_grains(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
+                                                   const std::vector<int>& rows) const;
 
   // Collective. Records that these bonds (ascending) no longer carry load since this step. They count as broken if
   // their ligament is less than that of the undamaged bond.
@@ -84,7 +84,7 @@ class Cracks {
                        std::int64_t step);
 
   // Returns `debonding` or `internal` if that has at least 90 % of the fracture surface, else `mixed`.
-  static const char* mode_of(const SeparatingSurface& s);
+  static const char* mode_of(const FractureSurface& s);
   // Returns the mode of a broken bond, or `intact`.
   std::string mode(std::size_t row) const;
 

@@ -100,7 +100,7 @@ std::vector<int> LoadHistory::find_failed(MPI_Comm comm, const std::vector<BondR
     Largest& largest = largest_[rows[n]];
     const double radius = radius_of(table[rows[n]]);
     const double load = size_of(&sum[1], 1.0 / radius) / sum[0], motion = size_of(&sum[7], radius) / sum[0];
-    if (load < kGone * largest.load && motion > largest.motion) gone.push_back(rows[n]);
+    if (load < kBrokenLoadRatio * largest.load && motion > largest.motion) gone.push_back(rows[n]);
     if (load > largest.load) largest = {load, motion};
   }
   return gone;

@@ -41,8 +41,8 @@ namespace mpdem {
 
 class LoadHistory {
  public:
-  static constexpr double kGone = 0.01;  // limit of |Q| over the largest |Q|
-  static constexpr int kSums = 13;       // time, then load and motion times time
+  static constexpr double kBrokenLoadRatio = 0.01;  // limit of |Q| over the largest |Q|
+  static constexpr int kSums = 13;                  // time, then load and motion times time
   using Sums = std::array<double, kSums>;
   static double radius_of(const BondRecord& record);                                       // l of the formula above
   static double window_path(const BondRecord& record) { return 4.0 * radius_of(record); }  // of a shear wave, in a window

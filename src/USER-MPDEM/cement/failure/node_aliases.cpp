@@ -17,7 +17,7 @@ namespace {
 
 int node_for(const Grid& grid, const Key& standing) {
   const int node = grid.node_at(standing);
-  if (node < 0) throw std::logic_error("points that failed without a node that stands for theirs");
+  if (node < 0) throw std::logic_error("failed points whose nodes have no representative");
   return node;
 }
 
@@ -41,7 +41,7 @@ void NodeAliases::copy_motion_of_representatives(Grid& grid, const NodeSplitting
   std::map<Key, Key> stands;
   for (const Key& k : more)
     if (const Key s = splits.representative_of(k); s != k && !source.count(k)) stands.emplace_hint(stands.end(), k, s);
-  grid.take_over_motion(stands);
+  grid.copy_motion(stands);
 }
 
 void NodeAliases::copy_motion_of_representatives(Grid& grid, const NodeSplitting& splits, std::vector<char>& fresh) const {
@@ -54,7 +54,7 @@ void NodeAliases::copy_motion_of_representatives(Grid& grid, const NodeSplitting
     stands.emplace_hint(stands.end(), grid.keys[i], s);
     fresh[i] = 0;
   }
-  grid.take_over_motion(stands);
+  grid.copy_motion(stands);
 }
 
 void NodeAliases::find(PointStore& points, Grid& grid, const NodeSplitting& splits) const {

@@ -21,11 +21,11 @@ struct SentPoint {
   int row;
   SplitterPoint point;
 };
-struct SentCrevicePoint {
+struct SentGapPoint {
   int row;
-  CrevicePoint point;
+  GapPoint point;
 };
-constexpr char kLookedAt = 1, kToCome = 2;  // bonds to examine: the lattice is there; the points must be collected first
+constexpr char kHasLattice = 1, kToCollect = 2;  // bonds to examine: the lattice is there; the points must be collected first
 constexpr int kBetween = -1;  // piece of points between the grains; a number of its own keeps the order of the grains without effect
 
 struct SentTag {
@@ -52,7 +52,7 @@ struct SentContinuation {
 SentPoint sent_point(const PointStore& points, int row, const BondRecord& record, const CementOptions& options, int b, int l) {
   SentPoint s{row, {}};
   SplitterPoint& p = s.point;
-  const CrevicePoint position = crevice_point(points, record, b, l);
+  const GapPoint position = gap_point(points, record, b, l);
   p.tag = points.tags[b][l];
   for (int d = 0; d < 3; ++d) {
     p.cell[d] = position.cell[d];
@@ -63,7 +63,7 @@ SentPoint sent_point(const PointStore& points, int row, const BondRecord& record
   p.volume = points.blocks[b].volume[l];
   p.layer = points.meta[b].layer;
   p.failed = points.meta[b].split_checked >> l & 1;
-  p.nearer = position.sheet;
+  p.nearer = position.nearer_grain;
   p.middle = position.middle;
   for (int n = 0; n < 6; ++n) p.space[n] = static_cast<float>(space_ahead(position, record, n / 2, n % 2 == 0 ? -1 : 1));
   return s;
@@ -107,24 +107,25 @@ std::vector<std::vector<SplitterPoint>> collect(MPI_Comm comm, const Bonds& bond
 }
 
 // Collective. Finds the unbonded gaps of the wanted bonds, on the ranks that examine them.
-std::map<int, Crevice> find_crevices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
+std::map<int, UnbondedGap> find_unbonded_gaps(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
+                                              const std::vector<char>& wanted) {
   const int ranks = ranks_of(comm);
-  const double reach = crevice_reach(options.basis, options.cell);
-  std::vector<std::vector<SentCrevicePoint>> out(ranks);
+  const double reach = gap_reach(options.basis, options.cell);
+  std::vector<std::vector<SentGapPoint>> out(ranks);
   for (const Bond& bond : bonds)
     if (wanted[bond.row])
       for_each_point(bond.points, [&](int b, int l) {
-        const CrevicePoint p = crevice_point(bond.points, bonds.record(bond), b, l);
+        const GapPoint p = gap_point(bond.points, bonds.record(bond), b, l);
         if (std::fabs(nearer_to_first(bonds.record(bond), p.X)) <= reach) out[bond.row % ranks].push_back({bond.row, p});
       });
-  std::vector<std::vector<CrevicePoint>> near(wanted.size());
-  for (const SentCrevicePoint& s : all_to_all(comm, out).data) near[s.row].push_back(s.point);
-  std::map<int, Crevice> found;
+  std::vector<std::vector<GapPoint>> near(wanted.size());
+  for (const SentGapPoint& s : all_to_all(comm, out).data) near[s.row].push_back(s.point);
+  std::map<int, UnbondedGap> found;
   for (std::size_t r = 0; r < near.size(); ++r) {
     if (near[r].empty()) continue;
-    Crevice c = find_crevice(near[r], bonds.table[r], options.basis, options.cell);
+    UnbondedGap c = find_unbonded_gap(near[r], bonds.table[r], options.basis, options.cell);
     if (c.found) found.emplace_hint(found.end(), static_cast<int>(r), std::move(c));
-    std::vector<CrevicePoint>().swap(near[r]);
+    std::vector<GapPoint>().swap(near[r]);
   }
   return found;
 }
@@ -211,11 +212,11 @@ NewLayersOfBonds NodeSplitting::start(MPI_Comm comm, Bonds& bonds, const CementO
   for (Bond& b : bonds)
     for (BlockMeta& m : b.points.meta)
       if (is_new[b.row]) m.split_checked = 0;
-  std::map<int, Crevice> crevices;
-  if (options.tied || options.split) crevices = find_crevices(comm, bonds, options, wanted);
+  std::map<int, UnbondedGap> unbonded_gaps;
+  if (options.tied || options.split) unbonded_gaps = find_unbonded_gaps(comm, bonds, options, wanted);
   if (!options.split) {
     std::fill(wanted.begin(), wanted.end(), 0);
-    for (const auto& c : crevices) wanted[c.first] = 1;
+    for (const auto& c : unbonded_gaps) wanted[c.first] = 1;
     MPI_Allreduce(MPI_IN_PLACE, wanted.data(), to, MPI_SIGNED_CHAR, MPI_MAX, comm);
   }
   std::vector<std::vector<SplitterPoint>> whole = collect(comm, bonds, options, wanted);
@@ -232,7 +233,7 @@ NewLayersOfBonds NodeSplitting::start(MPI_Comm comm, Bonds& bonds, const CementO
     }
     NodeSplitter lattice(std::move(whole[r]), options.basis, line_of(bonds.table[r], options.cell));
     Row& row = rows_[r];
-    changes.back() = lattice.start(row.copies, crevices[r]);
+    changes.back() = lattice.start(row.copies, unbonded_gaps[r]);
     if (is_new[r]) continue;
     // only the lattice and the continuations are needed: a bond of a restart file has its copies from the file
     changes.back() = NodeChange();
@@ -259,7 +260,7 @@ std::map<Key, PhantomNodes::Row> NodeSplitting::rows_to_keep(MPI_Comm comm) cons
 
 void NodeSplitting::find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
   std::vector<char> to_come(wanted.size(), 0);
-  for (std::size_t r = 0; r < wanted.size(); ++r) to_come[r] = wanted[r] == kToCome;
+  for (std::size_t r = 0; r < wanted.size(); ++r) to_come[r] = wanted[r] == kToCollect;
   if (std::find(to_come.begin(), to_come.end(), 1) == to_come.end()) return;
   std::vector<std::vector<SplitterPoint>> whole = collect(comm, bonds, options, to_come);
   const int ranks = ranks_of(comm);
@@ -289,7 +290,7 @@ NodeSplitting::Found NodeSplitting::find_splits(MPI_Comm comm, Bonds& bonds, con
   std::map<int, std::vector<int>> failed;
   for (const SentTag& s : all_to_all(comm, out).data) failed[s.row].push_back(s.tag);
   std::vector<char> wanted(n, 0);
-  for (const auto& f : failed) wanted[f.first] = row(f.first).lattice ? kLookedAt : kToCome;
+  for (const auto& f : failed) wanted[f.first] = row(f.first).lattice ? kHasLattice : kToCollect;
   MPI_Allreduce(MPI_IN_PLACE, wanted.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
   find_lattices(comm, bonds, options, wanted);
   for (Bond& bond : bonds)
@@ -317,17 +318,17 @@ NodeChange NodeSplitting::separate(int row, const std::vector<PointOfPiece>& pie
   std::vector<NodeSplitter::OfPiece> of_pieces;
   of_pieces.reserve(pieces.size());
   for (const PointOfPiece& p : pieces) of_pieces.push_back({p.tag, p.between ? kBetween : p.piece});
-  NodeChange change = rows_[row].lattice->come_apart(of_pieces, rows_[row].copies);
+  NodeChange change = rows_[row].lattice->split_pieces(of_pieces, rows_[row].copies);
   if (!options.split) rows_[row].lattice.reset();
   return change;
 }
 
-NodeSplitting::Found NodeSplitting::come_apart(MPI_Comm comm, Bonds& bonds, const CementOptions& options, CameApart came) {
+NodeSplitting::Found NodeSplitting::split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds came) {
   Found found;
   found.lay_out = std::move(came.rows);
   const int n = static_cast<int>(bonds.table.size());
   std::vector<char> wanted(n, 0), changed(n, 0);
-  for (const auto& p : came.pieces) wanted[p.first] = row(p.first).lattice ? kLookedAt : kToCome;
+  for (const auto& p : came.pieces) wanted[p.first] = row(p.first).lattice ? kHasLattice : kToCollect;
   MPI_Allreduce(MPI_IN_PLACE, wanted.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
   for (Bond& bond : bonds)
     if (wanted[bond.row])
@@ -355,7 +356,7 @@ NodeSplitting::Found NodeSplitting::come_apart(MPI_Comm comm, Bonds& bonds, cons
 
 void NodeSplitting::leave(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows) {
   std::vector<char> wanted(known_.size(), 0);
-  for (int r : rows) wanted[r] = kToCome;
+  for (int r : rows) wanted[r] = kToCollect;
   find_lattices(comm, bonds, options, wanted);
   std::vector<NodeChange> changes(rows.size());
   for (std::size_t n = 0; n < rows.size(); ++n) {

@@ -6,7 +6,7 @@
 // layers. A node at the edge of the cement keeps its constraint of the start (mpm/extension_constraints.h) until the
 // node itself, one of its masters or one of its mass receivers splits.
 //
-// Nodes split at an unbonded gap (fracture/crevice.h) when a bond is new, and between pieces when the bond separates.
+// Nodes split at an unbonded gap (fracture/unbonded_gap.h) when a bond is new, and between pieces when the bond separates.
 // With `cracks split` they also split wherever material is not connected, when a bond is new and as its points fail.
 // Where points meet other nodes as they move (CementOptions::reprojects()) nodes have no copies, see separate_pieces.h.
 //
@@ -23,7 +23,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "../../fracture/crevice.h"
+#include "../../fracture/unbonded_gap.h"
 #include "../../fracture/phantom_nodes.h"
 #include "../../mpm/extension_constraints.h"
 #include "../bond/bond.h"
@@ -62,12 +62,12 @@ class NodeSplitting {
     int tag, piece, layer;
     bool between;
   };
-  struct CameApart {
+  struct SeparatedBonds {
     std::vector<int> rows;                            // newly separated bonds, ascending, the same on all ranks
     std::map<int, std::vector<PointOfPiece>> pieces;  // points of bonds with pieces to separate, on the examining ranks
   };
   // Collective. Separates the nodes of the pieces of these bonds.
-  virtual Found come_apart(MPI_Comm comm, Bonds& bonds, const CementOptions& options, CameApart came);
+  virtual Found split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds came);
   // Collective. Fetches the phantom nodes of bonds whose points came to this rank.
   virtual void bring(MPI_Comm comm, const Bonds& bonds);
 
@@ -104,7 +104,7 @@ class NodeSplitting {
   std::vector<int> nodes_touched(const Grid& grid, int bond_row, const std::vector<Key>& split);
   // The node of the start from which this node descends.
   Key at_start(const Key& node) const;
-  // The next node of the start in a direction (see TiedNodes), or kNoNode.
+  // The next node of the start in a direction (see EdgeNodes), or kNoNode.
   Key next(const Key& at_start, int direction) const;
   // Volumes of the copies at these nodes of one bond: 0 for a node that is not the representative of its copy, -1 for a
   // node that is not split. Empty if the points' own volumes count at all nodes.
@@ -138,7 +138,7 @@ class NodeSplitting {
   }
   const PhantomNodes& copies(int bond_row) const { return row(bond_row).copies; }
   Key now(const Key& at_start) const;
-  void find_users(Row& row) const;
+  void find_dependents(Row& row) const;
   NewLayersOfBonds apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const std::vector<NodeChange>& changes);
 
   std::unordered_map<int, Row> rows_;          // of bonds of which something is stored

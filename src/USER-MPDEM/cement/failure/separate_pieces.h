@@ -14,7 +14,7 @@ class SeparatePieces : public NodeSplitting {
  public:
   std::unique_ptr<NodeSplitting> copy() const override { return std::make_unique<SeparatePieces>(*this); }
   NewLayersOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& others = {}) override;
-  Found come_apart(MPI_Comm comm, Bonds& bonds, const CementOptions& options, CameApart came) override;
+  Found split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds came) override;
   void bring(MPI_Comm, const Bonds&) override {}
   void leave(MPI_Comm, const Bonds&, const CementOptions&, const std::vector<int>&) override {}
   std::vector<Key> nodes_beside(const PointStore&, int, int) const override { return {}; }
@@ -30,7 +30,7 @@ class SeparatePieces : public NodeSplitting {
 class JoinedPieces : public SeparatePieces {
  public:
   std::unique_ptr<NodeSplitting> copy() const override { return std::make_unique<JoinedPieces>(*this); }
-  Found come_apart(MPI_Comm, Bonds&, const CementOptions&, CameApart) override { return {}; }
+  Found split_pieces(MPI_Comm, Bonds&, const CementOptions&, SeparatedBonds) override { return {}; }
 };
 
 }  // namespace mpdem

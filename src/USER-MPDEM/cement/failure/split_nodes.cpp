@@ -29,7 +29,7 @@ bool NodeSplitting::edges_known(const std::vector<int>& rows) const {
 void NodeSplitting::keep_edges(const std::vector<int>& rows, std::vector<ExtensionConstraint> edges) {
   drop_edges(rows);
   for (int r : rows) known_[r].edges = true;
-  for (ExtensionConstraint& t : edges) rows_[row_of(t.slave.field())].edges.push_back(std::move(t));
+  for (ExtensionConstraint& t : edges) rows_[row_of(t.constrained.field())].edges.push_back(std::move(t));
 }
 
 void NodeSplitting::drop_edges(const std::vector<int>& rows) {
@@ -62,7 +62,7 @@ std::vector<Key> NodeSplitting::nodes_beside(const PointStore& points, int bond_
   }
   // The constraint of a node that has split since is void, and is stored only on ranks that found it before.
   for (const ExtensionConstraint& t : row(bond_row).edges) {
-    if (now(t.slave) == kNoNode) continue;
+    if (now(t.constrained) == kNoNode) continue;
     for (const auto* of_tie : {&t.masters, &t.mass_receivers})
       for (const auto& m : *of_tie) nodes.push_back(now(m.first));
   }
@@ -107,7 +107,7 @@ std::vector<Key> NodeSplitting::representatives_at(int bond_row, const std::vect
   return nodes;
 }
 
-void NodeSplitting::find_users(Row& row) const {
+void NodeSplitting::find_dependents(Row& row) const {
   for (std::size_t n = 0; n < row.edges.size(); ++n)
     for (const auto* of_tie : {&row.edges[n].masters, &row.edges[n].mass_receivers})
       for (const auto& m : *of_tie) row.dependents.emplace_back(m.first, static_cast<int>(n));
@@ -118,7 +118,7 @@ void NodeSplitting::find_users(Row& row) const {
 // start. Most layers are small, so each is searched by itself.
 std::vector<int> NodeSplitting::nodes_touched(const Grid& grid, int bond_row, const std::vector<Key>& split) {
   Row& row = rows_[bond_row];
-  if (row.dependents.empty()) find_users(row);
+  if (row.dependents.empty()) find_dependents(row);
   struct OfField {
     Field field;
     std::vector<Key>::const_iterator begin, end;
@@ -135,7 +135,7 @@ std::vector<int> NodeSplitting::nodes_touched(const Grid& grid, int bond_row, co
     const auto at = std::lower_bound(f.begin, f.end, k);
     return at != f.end && *at == k ? static_cast<int>(at - grid.keys.begin()) : -1;
   };
-  std::vector<Key> slaves;
+  std::vector<Key> constrained_nodes;
   for (const Key& k : split) {
     for (const OfField& f : fields)
       if (const int node = node_in(f, k.with_field(f.field)); node >= 0) nodes.push_back(node);
@@ -143,11 +143,11 @@ std::vector<int> NodeSplitting::nodes_touched(const Grid& grid, int bond_row, co
       const Key first = key_at(bond_row, e.first, grid_index_of(k));
       for (auto u = std::lower_bound(row.dependents.begin(), row.dependents.end(), std::make_pair(first, 0));
            u != row.dependents.end() && u->first == first; ++u)
-        slaves.push_back(row.edges[u->second].slave);
+        constrained_nodes.push_back(row.edges[u->second].constrained);
     }
   }
-  sort_unique(slaves);
-  for (const Key& s : slaves)
+  sort_unique(constrained_nodes);
+  for (const Key& s : constrained_nodes)
     for (const OfField& f : fields) {
       const Key k = s.with_field(f.field);
       if (const int node = node_in(f, k); node >= 0 && at_start(k) == s) nodes.push_back(node);
@@ -176,12 +176,12 @@ std::vector<ExtensionConstraint> NodeSplitting::ties(const std::vector<Key>& key
   ties.reserve(keys.size());
   for (const Key& k : keys) {
     ExtensionConstraint t;
-    t.slave = k;
+    t.constrained = k;
     const Key start = at_start(k);
     const std::vector<ExtensionConstraint>& edges = row(row_of(k.field())).edges;
     const auto edge =
-        std::lower_bound(edges.begin(), edges.end(), start, [](const ExtensionConstraint& a, const Key& b) { return a.slave < b; });
-    if (edge != edges.end() && edge->slave == start && now(start) != kNoNode) {
+        std::lower_bound(edges.begin(), edges.end(), start, [](const ExtensionConstraint& a, const Key& b) { return a.constrained < b; });
+    if (edge != edges.end() && edge->constrained == start && now(start) != kNoNode) {
       for (const auto& m : edge->masters) t.masters.emplace_back(now(m.first), m.second);
       for (const auto& h : edge->mass_receivers) t.mass_receivers.emplace_back(now(h.first), h.second);
       for (const auto& b : edge->behind) t.behind.emplace_back(now(b.first), b.second);

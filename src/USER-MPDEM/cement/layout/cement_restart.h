@@ -21,7 +21,7 @@
 namespace mpdem {
 
 // The links of the steps so far. Later steps must use the same.
-struct LinksSoFar {
+struct LinkSettings {
   enum Kind { kNoSteps, kLinks, kNone } kind = kNoSteps;
   double kn = 0.0, kt = 0.0;
   bool at_surface = true;
@@ -43,7 +43,7 @@ struct LinksSoFar {
 };
 
 // The damage law of the steps so far. Later steps may have another, which is reported to the user.
-struct LawSoFar {
+struct DamageLawSettings {
   int law = 0;  // number of the law, law_number()
   double value[Law::kMostWords] = {}, length = 0.0, energy = 0.0, imperfection = 0.0;
 
@@ -71,14 +71,14 @@ struct CementHead {
   double auto_step = 0.0;        // time step that `timestep auto S` found last
   double auto_share = 0.0;       // its S; 0: it found none
   double longest_substep = 0.0;  // longest sub-step of `subcycle auto`; 0: none was found
-  LinksSoFar links;
-  LawSoFar law;
+  LinkSettings links;
+  DamageLawSettings law;
   bool unilateral = false;              // are failed points stiff while their crack is closed
   double elastic[5] = {0, 0, 0, 0, 0};  // constants of the elasticity, VtiConstants
   double mass_scale = 1.0;
   double density = 0.0;      // of the calcite
   bool split = false;        // do nodes split as points fail, see fracture/phantom_nodes.h
-  int rows = 0, copies = 0;  // numbers of BondRow and CopyRow that follow
+  int rows = 0, copies = 0;  // numbers of BondRow and PhantomNodeRow that follow
   double nodes = 0.0;        // number of NodeRow on all ranks
 
   template <class Self, class Visitor>
@@ -111,7 +111,7 @@ struct CementHead {
 
 struct BondRow {
   double broken_seen = 0.0;  // number of failed points and debonded links at the last check of the bond
-  SeparatingSurface separation;
+  FractureSurface separation;
   double peak = 0.0;       // largest tension so far
   double broken_at = 0.0;  // the step Cracks::State::broken_at
   LoadHistory::Largest largest;
@@ -144,7 +144,7 @@ struct NodeRow {
 };
 
 // The phantom node of one layer of a bond at a split node, see PhantomNodes.
-struct CopyRow {
+struct PhantomNodeRow {
   int row = 0, index[3] = {0, 0, 0};
   int layer = 0, copy = 0, first = 0;
   double volume = 0.0;
@@ -162,7 +162,7 @@ struct CopyRow {
 
 // Number of values that follow a head.
 inline std::size_t numbers_after(const CementHead& h) {
-  return static_cast<std::size_t>(kMostNumbers<BondRow>) * h.rows + static_cast<std::size_t>(kMostNumbers<CopyRow>) * h.copies;
+  return static_cast<std::size_t>(kMostNumbers<BondRow>) * h.rows + static_cast<std::size_t>(kMostNumbers<PhantomNodeRow>) * h.copies;
 }
 
 }  // namespace mpdem

@@ -81,7 +81,7 @@ class LayoutMaker {
     if (finds_edges && ranks == 1) keep_edges(grids);
     std::vector<std::vector<ExtensionConstraint>> ties(layouts_.size());
     for (std::size_t n = 0; n < ties.size(); ++n) ties[n] = splits.ties(grids[n].keys);
-    const std::vector<char> any = tied_anywhere(ties);
+    const std::vector<char> any = constrained_anywhere(ties);
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
       BondLayout& l = layouts_[n];
       l.grid = std::move(grids[n]);
@@ -148,11 +148,11 @@ class LayoutMaker {
     const NodeSplitting& splits = rules_.splits;
     std::vector<std::pair<Key, double>> all;
     for (std::size_t n = 0; n < grids.size(); ++n) {
-      const std::vector<double> mass = grids[n].mass_here(layouts_[n].points, rules_.density);
+      const std::vector<double> mass = grids[n].local_mass(layouts_[n].points, rules_.density);
       for (int i = 0; i < grids[n].size(); ++i) all.emplace_back(splits.at_start(grids[n].keys[i]), mass[i]);
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    TiedNodes nodes;
+    EdgeNodes nodes;
     for (const auto& a : all) {
       if (nodes.keys.empty() || nodes.keys.back() != a.first) {
         nodes.keys.push_back(a.first);
@@ -171,7 +171,7 @@ class LayoutMaker {
   }
 
   // Returns for each layout whether some rank has constrained nodes in it.
-  std::vector<char> tied_anywhere(const std::vector<std::vector<ExtensionConstraint>>& ties) const {
+  std::vector<char> constrained_anywhere(const std::vector<std::vector<ExtensionConstraint>>& ties) const {
     std::vector<char> of_rows(rows_.size(), 0), any;
     const auto at = [&](std::size_t n) { return index_in(rows_, layouts_[n].row, "bond"); };
     for (std::size_t n = 0; n < layouts_.size(); ++n) of_rows[at(n)] = !ties[n].empty();

@@ -28,7 +28,7 @@ void AddedMasses::find(const std::vector<Bond*>& bonds) {
   const CementOptions& o = scene_.options;
   const bool known = stable_step_.eigenvalue_is_known();
   // Damping uses part of the stability bound in every step. Only the rest is left for nodes with added mass.
-  const double bound = scene_.stability_limit() * std::max(0.1, 1.0 - 0.5 * stable_step_.relaxation_rate(o.relax) * scene_.now.dt);
+  const double bound = scene_.stability_limit() * std::max(0.1, 1.0 - 0.5 * stable_step_.relative_damping_rate(o.relax) * scene_.now.dt);
   const AddedMass::Stability s{scene_.now.dt, known ? stable_step_.known_eigenvalue() : scene_.eigenvalue_bound(), !known, bound};
   for (Bond* b : bonds)
     if (scene_.bonds().is_resolved(*b)) b->added.find(b->links, b->grid, scene_.grains.ends_of(*b), s, b->mechanisms);
@@ -77,22 +77,22 @@ void AddedMasses::take_up(const std::vector<int>& rows, Action action) {
 }
 
 bool AddedMasses::update_added_mass(Bond& b) const {
-  const double soon = scene_.watch_every() * scene_.now.substeps * scene_.now.dt;
+  const double soon = scene_.topology_interval() * scene_.now.substeps * scene_.now.dt;
   DebondedContact* contact = b.mechanism<DebondedContact>();
   return contact && contact->update_added_mass(b.points, b.grid, scene_.grains.ends_of(b), scene_.now.dt, soon);
 }
 
-void AddedMasses::drop_inert() {
+void AddedMasses::drop_debonded() {
   take_up(scene_.all_rows(), [&] {
-    for (Bond& b : scene_.bonds().resolved()) drop_inert(b);
+    for (Bond& b : scene_.bonds().resolved()) drop_debonded(b);
   });
 }
 
 // Debonded links are dropped as a new layout would leave them out, since sums over links follow their blocks. So a run
 // that is divided gives the result of a single run.
-void AddedMasses::drop_inert(Bond& b) const {
+void AddedMasses::drop_debonded(Bond& b) const {
   update_added_mass(b);
-  if (b.links.drop_inertia(b.points)) scene_.formulation->remove_dropped(b, scene_.bonds().record(b));
+  if (b.links.drop_added_mass(b.points)) scene_.formulation->remove_dropped(b, scene_.bonds().record(b));
 }
 
 double AddedMasses::energy_ahead(const std::vector<int>& rows, double later) const {

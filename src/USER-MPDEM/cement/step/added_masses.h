@@ -18,8 +18,8 @@ class AddedMasses {
  public:
   AddedMasses(Scene& scene, StableStep& stable_step) : scene_(scene), stable_step_(stable_step) {}
 
-  bool any() const { return any_; }                                                // true if any rank has added mass
-  bool hangs_on_eigenvalue() const { return stable_step_.eigenvalue_is_known(); }  // else on a bound of it
+  bool any() const { return any_; }                                                  // true if any rank has added mass
+  bool depends_on_eigenvalue() const { return stable_step_.eigenvalue_is_known(); }  // else on a bound of it
   // Collective, after a layout. Finds the added mass of all bonds, or of these rows. Does nothing without links.
   void refresh();
   void refresh(const std::vector<int>& rows);
@@ -31,8 +31,8 @@ class AddedMasses {
   // they gain no energy (AddedMass::add_to_nodes()).
   void follow_contacts(const std::vector<int>& moved);
   // Collective. Removes the added mass of links that debonded during a run.
-  void drop_inert();
-  void drop_inert(Bond& b) const;
+  void drop_debonded();
+  void drop_debonded(Bond& b) const;
   // Energy of the added mass of these bonds, with velocities ahead of the stored ones by `later` times the
   // acceleration. Bonds that no step has moved yet count zero.
   double energy_ahead(const std::vector<int>& rows, double later) const;

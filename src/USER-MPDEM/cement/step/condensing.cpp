@@ -44,7 +44,7 @@ void Condensing::condense(const std::vector<int>& rows, bool at_start) {
   std::vector<int> resolved = rows_with_loose_pieces(rows);
   for (int row : resolved) scene_.bonds().table[row].condensed = false;
   scene_.bonds().resolved_changed();
-  take_patterns(at_start);
+  install_templates(at_start);
   const std::vector<int> without = condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia);
   resolved.insert(resolved.end(), without.begin(), without.end());
   if (!resolved.empty()) {
@@ -69,7 +69,7 @@ std::vector<int> Condensing::rows_with_loose_pieces(const std::vector<int>& rows
     if (condensed_.is_in_pieces(row)) in_pieces.push_back(row);
   std::vector<int> points(in_pieces.size(), 0);
   for (std::size_t n = 0; n < points.size(); ++n)
-    if (const Bond* b = scene_.bonds().find(in_pieces[n])) points[n] = loose_points(b->points);
+    if (const Bond* b = scene_.bonds().find(in_pieces[n])) points[n] = points_in_fragments(b->points);
   if (!points.empty()) MPI_Allreduce(MPI_IN_PLACE, points.data(), static_cast<int>(points.size()), MPI_INT, MPI_SUM, scene_.comm);
   for (std::size_t n = 0; n < points.size(); ++n)
     if (points[n] >= kLeastLoose) loose.push_back(in_pieces[n]);
@@ -77,12 +77,12 @@ std::vector<int> Condensing::rows_with_loose_pieces(const std::vector<int>& rows
 }
 
 // Takes the representative bonds of the templates that grains of this rank need. Grains may have come from other ranks.
-void Condensing::take_patterns(bool at_start) {
-  std::vector<int> patterns = patterns_of_owned_grains(scene_);
+void Condensing::install_templates(bool at_start) {
+  std::vector<int> templates = templates_of_owned_grains(scene_);
   if (!at_start)
-    patterns.erase(std::remove_if(patterns.begin(), patterns.end(), [&](int p) { return condensed_.has_pattern(p); }), patterns.end());
-  condensed_.take_patterns(scene_.comm, layouts_of_patterns(scene_, patterns, &*scene_.penalty),
-                           static_cast<int>(scene_.bonds().patterns.size()), at_start, *scene_.law, *scene_.penalty, scene_.inertia);
+    templates.erase(std::remove_if(templates.begin(), templates.end(), [&](int p) { return condensed_.has_template(p); }), templates.end());
+  condensed_.install_templates(scene_.comm, layouts_of_templates(scene_, templates, &*scene_.penalty),
+                               static_cast<int>(scene_.bonds().templates.size()), at_start, *scene_.law, *scene_.penalty, scene_.inertia);
 }
 
 // Bonds to activate that lack points get them before the next step, and are activated in it. Returns the others.
@@ -90,7 +90,7 @@ std::vector<int> Condensing::ask_for_points(const std::vector<int>& rows) {
   std::vector<int> others;
   for (int row : rows) {
     BondRecord& b = scene_.bonds().table[row];
-    if (b.pattern == 0) {
+    if (b.point_template == 0) {
       others.push_back(row);
       continue;
     }
@@ -101,30 +101,30 @@ std::vector<int> Condensing::ask_for_points(const std::vector<int>& rows) {
 }
 
 bool Condensing::change() {
-  woken_ = again_ = Change();
+  activated_ = recondensed_ = Change();
   if (!scene_.options.condense || !scene_.penalty) return false;
   activate();
   condense_again();
-  return !woken_.rows.empty() || !again_.rows.empty();
+  return !activated_.rows.empty() || !recondensed_.rows.empty();
 }
 
 void Condensing::count_changes() {
-  for (int row : woken_.rows)
-    if (const Bond* b = scene_.bonds().find(row)) woken_.energy -= work_.energy_of(*b);
-  scene_.energy.release(woken_.energy);
-  for (int row : again_.rows) {
+  for (int row : activated_.rows)
+    if (const Bond* b = scene_.bonds().find(row)) activated_.energy -= work_.energy_of(*b);
+  scene_.energy.release(activated_.energy);
+  for (int row : recondensed_.rows) {
     const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds(), 0.5 * scene_.dt_last);
-    again_.energy -= e.elastic + e.discrete_kinetic;
+    recondensed_.energy -= e.elastic + e.discrete_kinetic;
   }
   // the momentum that grains gain is counted as work, so that damped energy does not depend on rigid translation
-  scene_.energy.do_work(-again_.to_grains);
-  scene_.energy.damp(again_.energy - again_.to_grains);
+  scene_.energy.do_work(-recondensed_.to_grains);
+  scene_.energy.damp(recondensed_.energy - recondensed_.to_grains);
 }
 
 std::vector<int> Condensing::rows_to_activate() {
   std::vector<int> together;
-  std::vector<int> mine = condensed_.due(scene_.bonds(), scene_.options, *scene_.law, together);
-  if (!scene_.options.advance.nonlocal || !condensed_.any_cut()) return scene_.agreed_rows(mine);
+  std::vector<int> mine = condensed_.rows_due(scene_.bonds(), scene_.options, *scene_.law, together);
+  if (!scene_.options.advance.nonlocal || !condensed_.any_shared()) return scene_.agreed_rows(mine);
   together = scene_.agreed_rows(together);
   if (!together.empty()) {
     for (int row : together)
@@ -147,11 +147,11 @@ void Condensing::activate() {
   const std::vector<int> rows = ask_for_points(rows_to_activate());
   if (rows.empty()) return;
   const std::array<double, 3> weight = scene_.weight();
-  woken_.rows = rows;
+  activated_.rows = rows;
   std::vector<BondEnd> ends;
   for (int row : rows) {
     const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds(), 0.5 * scene_.dt_last);
-    woken_.energy += e.elastic + e.discrete_kinetic;
+    activated_.energy += e.elastic + e.discrete_kinetic;
     condensed_.activate(scene_.comm, row, scene_.bonds().find(row), scene_.bonds(), weight.data(), scene_.dt_last, *scene_.law);
     if (!condensed_.has(row)) continue;
     const std::array<BondEnd, 2> of_row = condensed_.loaded_ends(row, scene_.bonds(), weight.data());
@@ -161,7 +161,7 @@ void Condensing::activate() {
   scene_.bonds().resolved_changed();
   condensed_.drop(scene_.comm, rows, scene_.bonds(), scene_.grains);
   condensed_.resume(scene_.grains, weight.data());
-  scene_.grains.wake(scene_.comm, scene_.bonds(), scene_.inertia, ends);
+  scene_.grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.inertia, ends);
   shared_.bind();
   for (int row : rows) {
     Bond* b = scene_.bonds().find(row);
@@ -183,8 +183,8 @@ bool Condensing::rests(Bond& b) {
   if (cracks_.separated(b.row) && !cracks_.has_seen(b)) return false;
   const BondEnd* ends = scene_.grains.ends_of(b);
   if (cracks_.separated(b.row))
-    return condensed_.pieces_rest(b, record, ends, work_.energy_of(b), load_history_.largest(b.row), scene_.weight().data(), scene_.dt_last,
-                                  *scene_.law);
+    return condensed_.matches_rigid_pieces(b, record, ends, work_.energy_of(b), load_history_.largest(b.row), scene_.weight().data(),
+                                           scene_.dt_last, *scene_.law);
   const double root =
       std::max(largest_root_of_drive(b.points, *scene_.law, nullptr), largest_root_of_drive(b.film.points, *scene_.law, nullptr));
   if (root >= kBelow * root_of_share(*scene_.law, scene_.options.wake)) return false;
@@ -199,20 +199,20 @@ std::vector<int> Condensing::rows_that_rest() {
     if (rests(b)) mine.push_back(b.row);
   std::vector<int> rows;
   std::vector<BondRecord>& table = scene_.bonds().table;
-  std::vector<double> calm(table.size(), 0.0);
+  std::vector<double> rest_time(table.size(), 0.0);
   for (int row : scene_.agreed_rows(mine)) {
-    const double time = table[row].calm + scene_.options.check_every * scene_.dt_last;
-    if (cracks_.separated(row) && time * scene_.shear_speed() < LoadHistory::window_path(table[row])) calm[row] = time;
+    const double time = table[row].rest_time + scene_.options.check_every * scene_.dt_last;
+    if (cracks_.separated(row) && time * scene_.shear_speed() < LoadHistory::window_path(table[row])) rest_time[row] = time;
     else rows.push_back(row);
   }
-  for (std::size_t row = 0; row < table.size(); ++row) table[row].calm = calm[row];
+  for (std::size_t row = 0; row < table.size(); ++row) table[row].rest_time = rest_time[row];
   return rows;
 }
 
 void Condensing::condense_again() {
   if (!scene_.ends_step() || scene_.now.number % scene_.options.check_every != 0) return;
   BondedGrains& grains = scene_.grains;
-  const std::vector<int> rows = again_.rows = rows_that_rest();
+  const std::vector<int> rows = recondensed_.rows = rows_that_rest();
   if (rows.empty()) return;
   const double half = 0.5 * scene_.dt_last;
   std::vector<double> rest(6 * grains.ends.ends.size(), 0.0);  // difference of momentum, passed to the grains
@@ -232,13 +232,13 @@ void Condensing::condense_again() {
   for (int row : rows) {
     Bond* b = scene_.bonds().find(row);
     if (!b) continue;
-    again_.energy += work_.energy_of(*b);
+    recondensed_.energy += work_.energy_of(*b);
     const BondEnd* ends = grains.ends_of(*b);
-    here.push_back({row, b->first_end, {ends[0], ends[1]}});
+    here.push_back({row, b->first_end_index, {ends[0], ends[1]}});
     add_to_rest(here.back(), condensed_.momentum_of_nodes(*b, scene_.bonds().table[row], ends), 1.0);
     condensed_.forget_candidate(row);
-    go_back_to_creation(b->points);
-    go_back_to_creation(b->film.points);
+    revert_field(b->points);
+    revert_field(b->film.points);
     for (std::vector<double>* values : {&b->grid.displacement, &b->grid.velocity, &b->grid.acceleration})
       std::fill(values->begin(), values->end(), 0.0);
     b->near_threshold = false;
@@ -248,7 +248,7 @@ void Condensing::condense_again() {
   BondEnds ends = grains.ends;
   scene_.bonds().resolved_changed();
   layout_manager_.lay_out(rows, {}, {});
-  grains.wake(scene_.comm, scene_.bonds(), scene_.inertia, {});
+  grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.inertia, {});
   added_.refresh(rows);
   condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia);
   for (const OfRow& o : here) add_to_rest(o, condensed_.momentum_as_condensed(o.row, scene_.bonds().table[o.row], o.ends, half), -1.0);
@@ -258,7 +258,7 @@ void Condensing::condense_again() {
     for (int d = 0; d < 6; ++d) momentum[o.grain][d] += rest[6 * o.at + d];
   condensed_.bind(scene_.comm, scene_.bonds(), grains);
   condensed_.follow(grains, scene_.weight().data());
-  again_.to_grains = grains.apply_impulse(scene_.comm, momentum, condensed_.pack());
+  recondensed_.to_grains = grains.apply_impulse(scene_.comm, momentum, condensed_.pack());
 }
 
 }  // namespace mpdem

@@ -57,7 +57,7 @@ class Condensing {
  private:
   void activate();
   void condense_again();
-  void take_patterns(bool at_start);
+  void install_templates(bool at_start);
   std::vector<int> ask_for_points(const std::vector<int>& rows);
   // Collective. Bonds to activate. All ranks of a cut bond examine it together where averages count.
   std::vector<int> rows_to_activate();
@@ -80,7 +80,7 @@ class Condensing {
     double energy = 0.0;     // energy that the rows had before, on this rank
     double to_grains = 0.0;  // energy that went to grains of this rank at once
   };
-  Change woken_, again_;  // bonds activated in this step, and bonds condensed again
+  Change activated_, recondensed_;  // bonds activated in this step, and bonds condensed again
 };
 
 }  // namespace mpdem

@@ -16,7 +16,7 @@ namespace {
 
 // The nearest intact points of one rank for an orphaned contact point.
 struct Offer {
-  int mover, points;
+  int orphan, points;
   double far;
 };
 
@@ -32,7 +32,7 @@ void open_contacts_of_files(Scene& scene) {
   if (!scene.touches()) return;
   for (Bond& b : scene.bonds().resolved())
     if (b.row >= scene.rows_started)
-      b.mechanism<DebondedContact>()->open_all(b.points, scene.bonds().record(b), b.grid, scene.grains.ends_of(b));
+      b.mechanism<DebondedContact>()->add_debonded_at_creation(b.points, scene.bonds().record(b), b.grid, scene.grains.ends_of(b));
 }
 
 std::vector<int> remap_contacts(Scene& scene) {
@@ -45,9 +45,9 @@ std::vector<int> remap_contacts(Scene& scene) {
   std::vector<DebondedContact::OrphanedContact> abroad;  // contact points of bonds with points on other ranks
   for (Bond& b : scene.bonds().resolved()) {
     DebondedContact& contact = *b.mechanism<DebondedContact>();
-    if (!contact.take_change()) continue;
+    if (!contact.take_topology_change()) continue;
     const bool whole = b.size() == scene.bonds().record(b).points;
-    for (const DebondedContact::OrphanedContact& m : contact.movers(b.points, scene.bonds().record(b))) {
+    for (const DebondedContact::OrphanedContact& m : contact.orphans(b.points, scene.bonds().record(b))) {
       if (!whole) {
         abroad.push_back(m);
         continue;
@@ -69,7 +69,7 @@ std::vector<int> remap_contacts(Scene& scene) {
     }
     std::vector<Nearest> best(all.size());
     for (const Offer& o : gather_all(scene.comm, mine)) {
-      Nearest& n = best[o.mover];
+      Nearest& n = best[o.orphan];
       if (n.points == 0 || o.far < n.far) n = {o.points, o.far};
       else if (o.far == n.far) n.points += o.points;
     }

@@ -58,13 +58,13 @@ Leaving Departures::choose(const Departing& departing) {
     const BondRecord& record = table[rows[n]];
     const int gone = ends_in(record, departing.grains);
     const bool separated = discontinuities_.cracks.separated(rows[n]);
-    as_a_whole[n] = (deleted[n] == record.points || record.pattern > 0) && (separated || gone == 3);
+    as_a_whole[n] = (deleted[n] == record.points || record.point_template > 0) && (separated || gone == 3);
     if (gone != 0 && !separated && !as_a_whole[n]) {
       leaving.joined_grain = record.grain[(gone & 1) != 0 ? 0 : 1];
       return leaving;
     }
   }
-  std::map<int, std::vector<char>> held = discontinuities_.cracks.grains_held(scene_.comm, scene_.bonds(), scene_.options, rows);
+  std::map<int, std::vector<char>> held = discontinuities_.cracks.attached_grains(scene_.comm, scene_.bonds(), scene_.options, rows);
   for (std::size_t n = 0; n < rows.size(); ++n)
     if (Bond* b = scene_.bonds().find(rows[n])) choose_points(*b, held[rows[n]], departing, as_a_whole[n], leaving);
   for (const auto& of_row : leaving.slots) leaving.rows.push_back(of_row.first);
@@ -86,7 +86,7 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
     for (std::size_t slot = 0; slot < held.size(); ++slot)
       if (b.points.meta[slot / kLanes].occupied >> slot % kLanes & 1)
         b.points.set_connected(static_cast<int>(slot), b.points.has_failed(static_cast<int>(slot)) ? 0 : held[slot]);
-    if (gone != 0 && resolved) grain_of_node = grains_that_hold_nodes(b);
+    if (gone != 0 && resolved) grain_of_node = attached_grains_of_nodes(b);
   }
   const auto goes_with_grain = [&](int slot) {
     const BlockMeta& m = b.points.meta[slot / kLanes];
@@ -94,7 +94,7 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
       const int lane = slot % kLanes;
       double X[3];
       for (int d = 0; d < 3; ++d) X[d] = b.points.blocks[slot / kLanes].X[d][lane];
-      return (gone >> nearer_side(record, nearer_to_first(record, X)) & 1) != 0;
+      return (gone >> nearer_grain(record, nearer_to_first(record, X)) & 1) != 0;
     }
     bool goes = false;
     if (!grain_of_node.empty())
@@ -126,7 +126,7 @@ std::vector<Departures::Share> Departures::shares(const Leaving& leaving) const 
   for (std::size_t n = 0; n < leaving.rows.size(); ++n) {
     const BondRecord& record = scene_.bonds().table[leaving.rows[n]];
     const auto slots = leaving.slots.find(leaving.rows[n]);
-    if (record.pattern > 0 && rank_in(scene_.comm) == 0) {
+    if (record.point_template > 0 && rank_in(scene_.comm) == 0) {
       sum[2 * n] = record.points;
       sum[2 * n + 1] = record.volume;
     } else if (slots != leaving.slots.end()) {
@@ -222,7 +222,7 @@ std::vector<int> Departures::take_out(const std::vector<Share>& of_rows, const L
     record.volume = share.all ? 0.0 : std::max(0.0, record.volume - share.volume);
     if (!share.all) continue;
     record.condensed = record.wants_points = false;
-    record.pattern = record.home = 0;
+    record.point_template = record.home = 0;
   }
   scene_.bonds().resolved_changed();
   return tags;
@@ -250,7 +250,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   for (const Pieces& p : pieces) add_pieces(p, 1.0, left, ahead);
   const std::vector<int> tags = take_out(of_rows, leaving);
   discontinuities_.splits->leave(scene_.comm, scene_.bonds(), scene_.options, leaving.rows);
-  layout_manager_.bring_copies();
+  layout_manager_.move_phantom_nodes();
   layout_manager_.lay_out_again(leaving.rows, {}, {});
   for (const Bond& b : scene_.bonds().resolved())
     if (has(leaving.rows, b.row)) add_resolved(b, -1.0, left, ahead);

@@ -27,14 +27,14 @@ class Reprojected : public Formulation {
 };
 
 // Velocities go to the points and back when the present becomes the reference.
-class Renewed : public Formulation {
+class RenewedReference : public Formulation {
  public:
-  std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_renewed(context); }
+  std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_renewed_reference(context); }
   std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<SeparatePieces>(); }
 };
 
 // The present is the reference, and velocities go to the points and back in every step. Points move from cell to cell.
-class Moving : public Formulation {
+class UpdatedLagrangian : public Formulation {
  public:
   std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_updated(context); }
   std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<JoinedPieces>(); }
@@ -45,7 +45,7 @@ class Moving : public Formulation {
   bool needs_layout(const Bond&) const override { return true; }  // slots were brought up to date for the exchange
   void follow_layout(Bond& b) const override {
     b.updated.bind(b.points, b.grid);
-    b.average.let_points_stand(false);
+    b.average.set_points_fixed(false);
   }
   void start(Bond& b) const override { UpdatedPass::start(b.points, b.grid, 0); }
   bool sort_links(Bond& b) const override {
@@ -59,9 +59,9 @@ class Moving : public Formulation {
 }  // namespace
 
 std::unique_ptr<const Formulation> formulation_of(const CementOptions& options) {
-  if (options.updated) return std::make_unique<Moving>();
+  if (options.updated) return std::make_unique<UpdatedLagrangian>();
   if (options.reproject_every > 0) return std::make_unique<Reprojected>();
-  if (options.reproject_distortion > 0.0) return std::make_unique<Renewed>();
+  if (options.reproject_distortion > 0.0) return std::make_unique<RenewedReference>();
   return std::make_unique<TotalLagrangian>();
 }
 

@@ -62,11 +62,11 @@ class Kinematics {
 
 std::unique_ptr<Kinematics> make_total(const KinematicsContext& context);
 std::unique_ptr<Kinematics> make_reprojected(const KinematicsContext& context);
-std::unique_ptr<Kinematics> make_renewed(const KinematicsContext& context);
+std::unique_ptr<Kinematics> make_renewed_reference(const KinematicsContext& context);
 std::unique_ptr<Kinematics> make_updated(const KinematicsContext& context);
 
 // Computes the velocities of nodes with mass from their momentum.
-void take_momentum(Grid& grid);
+void velocities_from_momentum(Grid& grid);
 
 }  // namespace mpdem
 

@@ -31,7 +31,7 @@ std::vector<BondMotion> sums_of_motion(const Scene& scene, const std::vector<int
 void keep_motion(Scene& scene, const std::vector<int>& rows, const std::vector<BondMotion>& before) {
   std::vector<BondMotion> after = sums_of_motion(scene, rows);
   for (std::size_t n = 0; n < rows.size(); ++n)
-    if (Bond* b = scene.bonds().find(rows[n])) give_back_motion(b->grid, before[n], after[n]);
+    if (Bond* b = scene.bonds().find(rows[n])) restore_rigid_motion(b->grid, before[n], after[n]);
   after = sums_of_motion(scene, rows);
   const int me = rank_in(scene.comm);
   for (std::size_t n = 0; n < rows.size() && me == 0; ++n) scene.energy.release(before[n].kinetic - after[n].kinetic);
@@ -120,7 +120,7 @@ NewLayersOfBonds LayoutManager::layers_at_start() {
   return layers;
 }
 
-void LayoutManager::bring_copies() { discontinuities_.splits->bring(scene_.comm, scene_.bonds()); }
+void LayoutManager::move_phantom_nodes() { discontinuities_.splits->bring(scene_.comm, scene_.bonds()); }
 
 void LayoutManager::remember_axis() {
   std::vector<BondRecord>& table = scene_.bonds().table;
@@ -148,7 +148,8 @@ void LayoutManager::sync_slots() {
 // In a separated bond, each node follows the grain to which it is connected.
 void LayoutManager::follow_grains(Bond& b) const {
   if (b.mechanisms.empty()) return;
-  const std::vector<char> held = discontinuities_.cracks.separated(b.row) ? nodes_held(b.points, b.grid) : std::vector<char>();
+  const std::vector<char> held =
+      discontinuities_.cracks.separated(b.row) ? connected_grains_of_nodes(b.points, b.grid) : std::vector<char>();
   for (const auto& p : b.mechanisms) p->follow_grains(b.grid, scene_.bonds().record(b), held);
 }
 
@@ -172,7 +173,7 @@ void LayoutManager::install(std::vector<BondLayout>& layouts) {
     find_near_threshold(scene_, b);
     b.failed.clear();
     b.laid_out_blocks = b.points.blocks.size();
-    if (!l.new_slot.empty()) b.updated.blocks_when_arranged = b.points.blocks.size();
+    if (!l.new_slot.empty()) b.updated.blocks_of_layout = b.points.blocks.size();
     if (!l.new_slot.empty() || !b.film.empty()) scene_.host().slots_changed(b);
   }
 }

@@ -28,7 +28,7 @@ class LayoutManager {
   // nodes move to other ranks with the points of their bond.
   NewLayersOfBonds layers_at_start();
   // Call when phantom nodes of bonds came to other ranks with their points.
-  void bring_copies();
+  void move_phantom_nodes();
   // Call when the host has made points of these rows of the table.
   void points_were_made(const std::vector<int>& rows) { fresh_points_.insert(fresh_points_.end(), rows.begin(), rows.end()); }
   // Stores the axis of the elasticity of bonds that have points without a frame, or points yet to be made.

@@ -11,7 +11,7 @@
 
 namespace mpdem {
 
-BondAtWork NodalForces::at_work(Bond& b) {
+BondContext NodalForces::at_work(Bond& b) {
   return {b.points, b.grid, scene_.grains.ends_of(b), scene_.bonds().record(b), b.added.of_nodes(), scene_.now.dt, kick_};
 }
 
@@ -37,7 +37,7 @@ void NodalForces::debond(Bond& b) {
 
 // Traction laws may dissipate energy, and may debond intact points.
 void NodalForces::follow_links(Bond& b) {
-  b.links.follow_and_add_force(b.points, b.grid, scene_.grains.ends_of(b), scene_.now.dt, b.link_step);
+  b.links.update_and_add_force(b.points, b.grid, scene_.grains.ends_of(b), scene_.now.dt, b.link_step);
   scene_.energy.dissipate(b.link_step.dissipated);
   scene_.energy.release(b.link_step.released);
   if (b.link_step.debond.empty()) return;
@@ -45,7 +45,7 @@ void NodalForces::follow_links(Bond& b) {
   for (const auto& p : b.mechanisms) p->links_debonded(at_work(b), b.link_step.debond, losses);
   scene_.energy.release(losses.released);
   scene_.host().links_debonded(b);
-  cracks_.watch_links(b);
+  cracks_.note_debonded_links(b);
 }
 
 // Columns of a film follow the grains, which are already at their positions of the end of the step.
@@ -57,7 +57,7 @@ void NodalForces::advance_film(Bond& b) {
   scene_.energy.release(of_film.released);
   if (b.film.failed.empty() && b.film.debonded.empty()) return;
   scene_.host().film_failed(b);
-  if (scene_.penalty) cracks_.watch_film(b);
+  if (scene_.penalty) cracks_.note_film_failure(b);
 }
 
 // Bonds that ranks do not cut are completed at once, while they are in cache.
@@ -142,8 +142,8 @@ void NodalForces::add_inertial_forces() {
 void NodalForces::share_impulses() {
   scene_.timer.start(StepTimer::kCoupling);
   for (Bond& b : scene_.bonds().resolved())
-    if (SharedImpulse* shared = b.mechanism<SharedImpulse>()) shared->weigh(b.points, b.grid, scene_.inertia);
-  if (scene_.penalty) shared_.sum([](Bond& b) { return b.mechanism<SharedImpulse>()->holding().data(); }, 1);
+    if (SharedImpulse* shared = b.mechanism<SharedImpulse>()) shared->find_intact_mass(b.points, b.grid, scene_.inertia);
+  if (scene_.penalty) shared_.sum([](Bond& b) { return b.mechanism<SharedImpulse>()->intact_mass().data(); }, 1);
   scene_.grains.share_impulses(scene_.comm, scene_.bonds(), scene_.now.substeps, condensed_.pack());
   scene_.timer.start(StepTimer::kNodes);
 }
@@ -163,7 +163,7 @@ void NodalForces::find_at_start() {
     b.jump.clear();
     b.links.add_force(b.grid, scene_.grains.ends_of(b));
     b.film.add_force(scene_.grains.ends_of(b), *scene_.law);
-    BondAtWork as_it_is = at_work(b);
+    BondContext as_it_is = at_work(b);
     as_it_is.dt = 0.0;
     Losses none;
     for (const auto& p : b.mechanisms) p->add_force(as_it_is, none);

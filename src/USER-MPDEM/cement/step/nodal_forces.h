@@ -46,7 +46,7 @@ class NodalForces {
   void react();
 
  private:
-  BondAtWork at_work(Bond& b);
+  BondContext at_work(Bond& b);
   void follow_links(Bond& b);
   void advance_film(Bond& b);
   void end_forces(Bond& b);

@@ -42,9 +42,9 @@ class Reprojected : public Total {
   }
 };
 
-class Renewed : public Total {
+class RenewedReference : public Total {
  public:
-  explicit Renewed(const KinematicsContext& context) : Total(context) {}
+  explicit RenewedReference(const KinematicsContext& context) : Total(context) {}
 
   void advance() override {
     if (scene_.now.number % scene_.options.check_every != 0) return Total::advance();
@@ -96,7 +96,7 @@ class Renewed : public Total {
         UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.inertia, scene_.options.transfer);
         b.grid.halo.sum(b.grid.mass.own().data(), 1);
         b.grid.halo.sum(b.grid.momentum.data(), 3);
-        take_momentum(b.grid);
+        velocities_from_momentum(b.grid);
       }
     });
   }
@@ -105,6 +105,6 @@ class Renewed : public Total {
 }  // namespace
 
 std::unique_ptr<Kinematics> make_reprojected(const KinematicsContext& context) { return std::make_unique<Reprojected>(context); }
-std::unique_ptr<Kinematics> make_renewed(const KinematicsContext& context) { return std::make_unique<Renewed>(context); }
+std::unique_ptr<Kinematics> make_renewed_reference(const KinematicsContext& context) { return std::make_unique<RenewedReference>(context); }
 
 }  // namespace mpdem

@@ -29,7 +29,7 @@ double StableStep::largest_mass_ratio() const {
   return most;
 }
 
-double StableStep::relaxation_rate(double share) const {
+double StableStep::relative_damping_rate(double share) const {
   if (share == 0.0) return 0.0;
   double thinnest = std::numeric_limits<double>::infinity();
   for (const BondRecord& b : scene_.bonds().table)
@@ -48,7 +48,7 @@ double StableStep::step_for(double cement_load, double relax) const {
   const double eigenvalue = cement_load + of_film_;
   // Damping acts on the velocity half a step before, so stability requires w^2 dt^2 + 2 p dt <= B.
   const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.stability_limit();
-  const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relaxation_rate(relax);
+  const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relative_damping_rate(relax);
   const double step = B / (p + std::sqrt(p * p + B * eigenvalue));
   if (!(step > 0.0))  // a step of zero would pass comparisons as if nothing limited it
     throw BadState(text_of("no time step is stable, the square of the highest frequency is ", eigenvalue, " with density ",
@@ -64,7 +64,7 @@ StableStep::DampedStep StableStep::damped_step(double eigenvalue) const {
   if (!d.is_short()) return d;
   const double B = scene_.stability_limit(), dt = DampedStep::kKept * d.undamped, damping = scene_.penalty ? scene_.penalty->damping : 0.0;
   const double p = (B - eigenvalue * dt * dt) / (2.0 * dt) - damping * std::sqrt(B * eigenvalue);
-  d.admitted = 4.0 * p / (B * relaxation_rate(1.0));
+  d.admitted = 4.0 * p / (B * relative_damping_rate(1.0));
   return d;
 }
 
@@ -126,7 +126,7 @@ EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const
       if (patches && patch != patches->end()) systems.back().blocks = &patch->second;
     }
   if (look != Look::after_change)
-    condensed_.each_pattern([&](const Bond& b) { systems.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
+    condensed_.for_each_template([&](const Bond& b) { systems.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
   for (double tolerance : {0.05, 0.01, kEigenvalueTolerance}) {
     if (look == Look::precise || known_ == 0.0) break;
     if (tolerance == kEigenvalueTolerance)
@@ -148,8 +148,8 @@ double StableStep::find() {
 // other axes of the box, whose nodes have another order, have the same added mass.
 double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Look look) {
   double mine = 1.0, ties;
-  for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_tie_factor());
-  condensed_.each_pattern([&](const Bond& b) { mine = std::max(mine, b.grid.largest_tie_factor()); });
+  for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_constraint_factor());
+  condensed_.for_each_template([&](const Bond& b) { mine = std::max(mine, b.grid.largest_constraint_factor()); });
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
   const double bound = ties * scene_.eigenvalue_bound();
   if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relax))) return bound;

@@ -49,7 +49,7 @@ class StableStep {
   DampedStep damped_step(double eigenvalue) const;
   // Largest rate of relative damping (`quasistatic`) of any node, with the share `share` of critical damping. The
   // motion of free grains is included.
-  double relaxation_rate(double share) const;
+  double relative_damping_rate(double share) const;
   double largest_mass_ratio() const;  // cement over grain, see BondedGrains::mass_ratio()
 
   // Returns the bound of the eigenvalue if dt is stable with it, else the eigenvalue, which costs some passes.

@@ -85,8 +85,8 @@ void Substeps::move_grains() {
       g.moved[d] = g.x[d] - before;
       g.state->x[d] = scene_.ends_step() ? before : g.x[d];
       // sums the deviation of the sub-steps from uniform motion
-      if (scene_.substep == 1) g.state->bent[d] = 0.0;
-      g.state->bent[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - paths_[i].from[d]) : paths_[i].from[d] - g.x[d];
+      if (scene_.substep == 1) g.state->path_offset[d] = 0.0;
+      g.state->path_offset[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - paths_[i].from[d]) : paths_[i].from[d] - g.x[d];
     }
   }
   scene_.grains.turn(dt);

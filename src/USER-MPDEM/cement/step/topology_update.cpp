@@ -53,7 +53,7 @@ void TopologyUpdate::add_bonds() {
 void TopologyUpdate::update() {
   if (!scene_.can_break()) return;
   if (scene_.begins_step() && (scene_.now.number - 1) % scene_.options.check_every == 0) update_after_check();
-  else if (scene_.is_watch_step()) update_cut_paths();
+  else if (scene_.is_topology_step()) update_cut_paths();
 }
 
 // Examines the whole state.
@@ -63,7 +63,7 @@ void TopologyUpdate::update_after_check() {
                                           load_history_.find_failed(scene_.comm, scene_.bonds().table, scene_.shear_speed()),
                                           scene_.leaves_residue(), scene_.now.number - 1);
   scene_.timer.start(StepTimer::kLayout);
-  added_.drop_inert();
+  added_.drop_debonded();
   separate_pieces(true);
 }
 
@@ -82,7 +82,7 @@ void TopologyUpdate::split_at_failed_points() {
 
 void TopologyUpdate::separate_pieces(bool fragment) {
   Found found = find_separations(fragment);
-  change_bonds(found.lay_out, std::move(found.layers), "parts came apart");
+  change_bonds(found.lay_out, std::move(found.layers), "pieces separated");
   find_relative_damping(found.held);
 }
 
@@ -91,15 +91,15 @@ void TopologyUpdate::sort_links() {
   for (Bond& b : scene_.bonds()) scene_.formulation->sort_links(b);
 }
 
-std::vector<Cracks::Ahead> TopologyUpdate::ahead(const std::vector<int>& rows) {
+std::vector<Cracks::LigamentReport> TopologyUpdate::ahead(const std::vector<int>& rows) {
   sort_links();
-  return discontinuities_.cracks.ahead(scene_.comm, scene_.bonds(), scene_.options, rows, scene_.leaves_residue());
+  return discontinuities_.cracks.find_ligaments(scene_.comm, scene_.bonds(), scene_.options, rows, scene_.leaves_residue());
 }
 
 TopologyUpdate::Found TopologyUpdate::find_separations(bool fragment, int from) {
   Cracks::Found cracked =
       discontinuities_.cracks.detect_separations(scene_.comm, scene_.bonds(), scene_.options, scene_.leaves_residue(), fragment, from);
-  return {discontinuities_.splits->come_apart(scene_.comm, scene_.bonds(), scene_.options, std::move(cracked.came_apart)),
+  return {discontinuities_.splits->split_pieces(scene_.comm, scene_.bonds(), scene_.options, std::move(cracked.separated_bonds)),
           std::move(cracked.held)};
 }
 
@@ -116,7 +116,7 @@ void TopologyUpdate::split_nodes() {
 }
 
 // Mass stays with its phantom node, and phantom nodes move as the node did, so momentum and energy are conserved. Nodes
-// that are no longer constrained get their mass back, see give_back_motion(). Returns the nodes whose constraints and
+// that are no longer constrained get their mass back, see restore_rigid_motion(). Returns the nodes whose constraints and
 // masses are new.
 std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers) {
   const double kick = scene_.kick();
@@ -134,7 +134,7 @@ std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers
   sort_unique(more);
   more.erase(std::remove_if(more.begin(), more.end(), [&](const Key& k) { return b.grid.node_at(k) >= 0; }), more.end());
   const std::vector<int> new_index = b.grid.add_nodes(more);
-  b.grid.take_over_motion(layers.source);
+  b.grid.copy_motion(layers.source);
   aliases.copy_motion_of_representatives(b.grid, *discontinuities_.splits, more, layers.source);
   if (!more.empty())
     for (BlockMeta& m : b.points.meta)
@@ -156,10 +156,10 @@ std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers
     b.grid.given_volume.resize(b.grid.size(), -1.0);
     for (std::size_t n = 0; n < volumes.size(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
   }
-  const bool freed = b.grid.tie_anew(nodes, discontinuities_.splits->ties(keys));
+  const bool freed = b.grid.find_constraints_anew(nodes, discontinuities_.splits->ties(keys));
   b.grid.lump_mass(b.points, scene_.inertia);
   if (freed) {
-    give_back_motion(b.grid, before, sums_of_motion(b.grid, kick));
+    restore_rigid_motion(b.grid, before, sums_of_motion(b.grid, kick));
     scene_.energy.release(before.kinetic - sums_of_motion(b.grid, kick).kinetic);
   }
   return nodes;
@@ -181,10 +181,10 @@ void TopologyUpdate::change_bonds(const std::vector<int>& rows, NewLayersOfBonds
                              for (int row : rows) {
                                Bond* b = scene_.bonds().find(row);
                                if (!b) continue;
-                               if (scene_.options.split) added_.drop_inert(*b);
+                               if (scene_.options.split) added_.drop_debonded(*b);
                                if (std::binary_search(whole.begin(), whole.end(), row)) continue;
                                const std::vector<int> nodes = split_in_place(*b, layers[row]);
-                               if (added_.hangs_on_eigenvalue()) patches[row] = blocks_about(b->points, b->grid, nodes);
+                               if (added_.depends_on_eigenvalue()) patches[row] = blocks_about(b->points, b->grid, nodes);
                                layout_manager_.start_anew(*b);
                                b->laid_out_blocks = b->points.blocks.size();
                                scene_.host().slots_changed(*b);

@@ -34,7 +34,7 @@ class TopologyUpdate {
     if (scene_.can_break()) load_history_.add(scene_.grains, scene_.bonds().table, scene_.dt_last);
   }
   // Ligaments of connected bonds. rows: rows of the table, ascending.
-  std::vector<Cracks::Ahead> ahead(const std::vector<int>& rows);
+  std::vector<Cracks::LigamentReport> ahead(const std::vector<int>& rows);
 
   LoadHistory& load_history() { return load_history_; }  // for restart files
 

@@ -36,7 +36,7 @@ class Total : public Kinematics {
       if (added_.any()) scene_.grains.follow_jumps(b, dt, scene_.dt_last, scene_.weight_of(b), scene_.energy);
       b.grid.drift(kick, dt);
       b.grid.begin_forces();
-      b.unmoved = b.unmoved && b.grid.stands_still();
+      b.unmoved = b.unmoved && b.grid.is_at_rest();
       if (!b.unmoved) {
         scene_.timer.start(StepTimer::kPoints);
         advance_points(b.points, 0, static_cast<int>(b.points.blocks.size()), b.grid, *scene_.law, dt, scene_.options.advance,

@@ -12,7 +12,7 @@
 
 namespace mpdem {
 
-void take_momentum(Grid& grid) {
+void velocities_from_momentum(Grid& grid) {
   for (int i = 0; i < grid.size(); ++i)
     if (grid.mass[i] > 0.0)
       for (int d = 0; d < 3; ++d) grid.velocity[3 * i + d] = grid.momentum[3 * i + d] / grid.mass[i];
@@ -49,8 +49,8 @@ class Updated : public Kinematics {
     std::size_t n = 0;
     for (Bond& b : scene_.bonds()) {
       b.laid_out_blocks = b.points.blocks.size();
-      take_velocities(b, kinetic_[n++]);
-      move_links(b);
+      update_velocities(b, kinetic_[n++]);
+      update_links(b);
     }
     added_.refresh();
     n = 0;
@@ -87,7 +87,7 @@ class Updated : public Kinematics {
     if (stale.empty()) return;
     for (int row : stale) {
       const Bond* b = scene_.bonds().find(row);
-      if (b && b->points.blocks.size() > b->updated.blocks_when_arranged + b->updated.blocks_when_arranged / 3) sparse.push_back(row);
+      if (b && b->points.blocks.size() > b->updated.blocks_of_layout + b->updated.blocks_of_layout / 3) sparse.push_back(row);
     }
     sparse = scene_.agreed_rows(sparse);
     std::vector<int> dense;
@@ -144,7 +144,7 @@ class Updated : public Kinematics {
   }
 
   // A node with neither mass nor added mass keeps its velocity.
-  void take_velocities(Bond& b, double kinetic_before) {
+  void update_velocities(Bond& b, double kinetic_before) {
     scene_.timer.start(StepTimer::kNodes);
     Grid& grid = b.grid;
     const SharedList<double>& added = b.added.of_nodes();
@@ -166,7 +166,7 @@ class Updated : public Kinematics {
 
   // Links whose end on the cement left its cell move to other blocks. A grid whose end they reach is laid out again in
   // the next step. Until then its margin has the nodes.
-  void move_links(Bond& b) {
+  void update_links(Bond& b) {
     scene_.timer.start(StepTimer::kCoupling);
     const bool moved = b.links.remap_contacts(b.points);
     if (scene_.leaves_residue()) forces_.debond(b);  // new blocks would drop residue before its energy is counted
@@ -174,7 +174,7 @@ class Updated : public Kinematics {
       throw OnOneRank(
           text_of("a link moved out of the grid at step ", scene_.now.number, "; check the motion of the grains and the time step"));
     if (!scene_.leaves_residue()) forces_.debond(b);
-    b.links.drop_inertia(b.points);
+    b.links.drop_added_mass(b.points);
   }
 
   std::vector<double> kinetic_, inertial_;  // energies of each bond before points and nodes exchange velocity

@@ -381,17 +381,17 @@ void AtomVecMpdem::write_restart_settings(FILE* fp) {
   const std::vector<double> numbers = packed_bonds();
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
   const int head[kRestartHead] = {kRestartVersion, kBondNumbers, static_cast<int>(bonds.table.size()),
-                                  static_cast<int>(bonds.patterns.size()), restart_is_sealed};
+                                  static_cast<int>(bonds.templates.size()), restart_is_sealed};
   fwrite(head, sizeof(int), kRestartHead, fp);
   write_numbers(fp, numbers);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
-  const std::vector<double> of_patterns = mpdem::packed(bonds.patterns);
-  const bigint count = static_cast<bigint>(of_patterns.size());
+  const std::vector<double> template_bonds = mpdem::packed(bonds.templates);
+  const bigint count = static_cast<bigint>(template_bonds.size());
   if (count > kMostOfPatterns)
     mpdem::stop_one(lmp, mpdem::text_of("write_restart: the patterns of bonds without points have ", count, " numbers, at most ",
                                         kMostOfPatterns, " are allowed; use 'points now' of create_cement where bonds are not equal"));
   fwrite(&count, sizeof count, 1, fp);
-  write_numbers(fp, of_patterns);
+  write_numbers(fp, template_bonds);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
 }
 
@@ -413,20 +413,20 @@ std::string AtomVecMpdem::read_bonds(FILE* fp) {
   };
   if (!marked()) return "the file has no data of atom_style mpdem" + cure;
   if (fread(head, sizeof(int), kRestartHead, fp) != kRestartHead) return truncated;
-  const int count = head[2], patterns = head[3];
+  const int count = head[2], templates = head[3];
   if (head[0] != kRestartVersion) return mpdem::trouble_with_version("data of atom_style mpdem", head[0], kRestartVersion);
-  if (head[1] != kBondNumbers || count < 0 || patterns < 0)
+  if (head[1] != kBondNumbers || count < 0 || templates < 0)
     return mpdem::text_of("the file is damaged: it has ", count, " bonds of ", head[1], " numbers, this program writes ", kBondNumbers,
                           " numbers a bond", cure);
   if (static_cast<bigint>(kBondNumbers) * count > numbers_left(fp)) return truncated;
   std::vector<double> numbers(static_cast<std::size_t>(kBondNumbers) * count);
   if (!read_numbers(fp, numbers)) return truncated;
   if (!marked()) return mpdem::text_of("the file is damaged: it says ", count, " bonds, which is not how many it has", cure);
-  bigint of_patterns = 0;
-  if (fread(&of_patterns, sizeof of_patterns, 1, fp) != 1) return truncated;
-  if (of_patterns < patterns || of_patterns > std::min(kMostOfPatterns, numbers_left(fp)))
+  bigint template_bonds = 0;
+  if (fread(&template_bonds, sizeof template_bonds, 1, fp) != 1) return truncated;
+  if (template_bonds < templates || template_bonds > std::min(kMostOfPatterns, numbers_left(fp)))
     return "the file is damaged in the patterns of points" + cure;
-  std::vector<double> pattern_numbers(of_patterns);
+  std::vector<double> pattern_numbers(template_bonds);
   if (!read_numbers(fp, pattern_numbers)) return truncated;
   if (!marked()) return "the file is damaged in the patterns of points" + cure;
   bonds.table.resize(count);
@@ -438,9 +438,9 @@ std::string AtomVecMpdem::read_bonds(FILE* fp) {
                             in.trouble(), cure);
   }
   mpdem::RecordReader in_patterns(pattern_numbers.data(), pattern_numbers.data() + pattern_numbers.size());
-  mpdem::read(in_patterns, patterns, bonds.patterns);
+  mpdem::read(in_patterns, templates, bonds.templates);
   if (!in_patterns.at_end()) in_patterns.tell("they are longer than they can be");
-  if (in_patterns.trouble().empty()) in_patterns.tell(trouble_of(bonds.patterns, bonds.table));
+  if (in_patterns.trouble().empty()) in_patterns.tell(trouble_of(bonds.templates, bonds.table));
   if (!in_patterns.trouble().empty()) return mpdem::text_of("the file is damaged in the patterns of points: ", in_patterns.trouble(), cure);
   return "";
 }
@@ -455,19 +455,19 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
 
 // Broadcasts bond records and point templates of the first rank.
 void AtomVecMpdem::share_bonds() {
-  int count[3] = {static_cast<int>(bonds.table.size()), static_cast<int>(bonds.patterns.size()), 0};
-  std::vector<double> patterns = mpdem::packed(bonds.patterns);
-  count[2] = static_cast<int>(patterns.size());
+  int count[3] = {static_cast<int>(bonds.table.size()), static_cast<int>(bonds.templates.size()), 0};
+  std::vector<double> templates = mpdem::packed(bonds.templates);
+  count[2] = static_cast<int>(templates.size());
   MPI_Bcast(count, 3, MPI_INT, 0, world);
   bonds.table.resize(count[0]);
   std::vector<double> numbers = packed_bonds();
   broadcast(numbers, world);
   const double* from = numbers.data();
   for (mpdem::BondRecord& record : bonds.table) from = mpdem::unpack(from, record);
-  patterns.resize(count[2]);
-  MPI_Bcast(patterns.data(), count[2], MPI_DOUBLE, 0, world);
-  mpdem::RecordReader in(patterns.data(), patterns.data() + patterns.size());
-  mpdem::read(in, count[1], bonds.patterns);
+  templates.resize(count[2]);
+  MPI_Bcast(templates.data(), count[2], MPI_DOUBLE, 0, world);
+  mpdem::RecordReader in(templates.data(), templates.data() + templates.size());
+  mpdem::read(in, count[1], bonds.templates);
 }
 
 void AtomVecMpdem::create_atom(int itype, double* coord) {

@@ -23,7 +23,7 @@ AtomStyle(mpdem, AtomVecMpdem)
 #include "../../coupling/grain_state.h"
 #include "../../cement/bond/bond.h"
 #include "atom_vec_sphere.h"
-#include "waiting_state.h"
+#include "unclaimed_state.h"
 
 namespace LAMMPS_NS {
 
@@ -41,7 +41,7 @@ class AtomVecMpdem : public AtomVecSphere {
   using GrainState = mpdem::GrainState;
   std::vector<GrainState> grains;
   // State of other fixes for points made between read_restart and the first run.
-  WaitingState waiting;
+  UnclaimedState waiting;
   // True if the script keeps points out of LIGGGHTS' bins, and so out of all neighbour lists. All atoms behind the
   // first group are out of the bins then. fix mpm sets it when it prepares a run, after the check in host_guards.h.
   bool apart = false;

@@ -70,7 +70,7 @@ void BondedAtoms::write_forces(const BondedGrains& grains) const {
     }
 }
 
-void BondedAtoms::read_places(BondedGrains& grains) const {
+void BondedAtoms::read_positions(BondedGrains& grains) const {
   const Atom& atom = *lmp_->atom;
   for (std::size_t n = 0; n < atoms_.size(); ++n) lmp_->domain->unmap(atom.x[atoms_[n]], atom.image[atoms_[n]], grains.grains[n].x);
 }
@@ -90,7 +90,7 @@ void BondedAtoms::write_motion(const BondedGrains& grains) const {
   }
 }
 
-void BondedAtoms::write_pushes(const BondedGrains& grains) const {
+void BondedAtoms::write_free_velocities(const BondedGrains& grains) const {
   Atom& atom = *lmp_->atom;
   for (std::size_t n = 0; n < atoms_.size(); ++n)
     for (int d = 0; d < 6; ++d)

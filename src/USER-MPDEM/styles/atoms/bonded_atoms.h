@@ -26,12 +26,12 @@ class BondedAtoms {
   // Copies velocities and loads from LIGGGHTS to the engine.
   void read(BondedGrains& grains) const;
   void write_forces(const BondedGrains& grains) const;
-  // Call these after LIGGGHTS moved the grains. read_places() copies their positions to the engine. write_motion() sets
+  // Call these after LIGGGHTS moved the grains. read_positions() copies their positions to the engine. write_motion() sets
   // positions and velocities of free grains to those of the engine.
-  void read_places(BondedGrains& grains) const;
+  void read_positions(BondedGrains& grains) const;
   void write_motion(const BondedGrains& grains) const;
   void write_velocities(const BondedGrains& grains) const;
-  void write_pushes(const BondedGrains& grains) const;  // writes velocities in free directions only
+  void write_free_velocities(const BondedGrains& grains) const;  // writes velocities in free directions only
   // Adds gravity by fixes that act after `fix` to the loads of grains in their first step, since they feel it in that
   // step already.
   void expect_gravity(BondedGrains& grains, const LAMMPS_NS::Fix* fix) const;

@@ -87,7 +87,7 @@ bool HiddenPoints::may_hide(const Fix* own) const {
     const FixMove* move = style == "move" ? dynamic_cast<const FixMove*>(fix) : nullptr;
     if (!move) return false;
     const MoveMembers m = members_of(move);
-    for (const char* const* names : {m.place_variable, m.velocity_variable})
+    for (const char* const* names : {m.position_variable, m.velocity_variable})
       for (int d = 0; d < 3; ++d)
         if (names[d] && !is_of_time_alone(lmp_, std::string("v_") + names[d])) return false;
   }

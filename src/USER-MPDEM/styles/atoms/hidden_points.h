@@ -11,7 +11,7 @@
 #include <string>
 
 #include "fix.h"
-#include "grains_alone.h"
+#include "grains_only.h"
 
 namespace mpdem {
 
@@ -27,7 +27,7 @@ class HiddenPoints {
   bool may_hide(const LAMMPS_NS::Fix* fix) const;
   LAMMPS_NS::LAMMPS* lmp_;
   bool hides_ = false;
-  std::optional<GrainsAlone> hidden_;
+  std::optional<GrainsOnly> hidden_;
 };
 
 // Returns whether a formula of LIGGGHTS depends on time, numbers and variables of this kind only.

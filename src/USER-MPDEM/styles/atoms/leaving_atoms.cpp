@@ -193,11 +193,11 @@ void LeavingAtoms::stop_if_wrong(const Leaving& leaving, bigint of_all, double c
   if (all > 0)
     stop_all(
         lmp,
-        text_of(
-            who_, all, " of ", of_all,
-            " material points were deleted that hold to grains which stay; cement cannot be deleted by points, but the cement of a "
-            "separated "
-            "bond as a whole, and crumbs that hold to no grain; delete a grain whose bonds are separated, and its cement goes with it"));
+        text_of(who_, all, " of ", of_all,
+                " material points were deleted that hold to grains which stay; cement cannot be deleted by points, but the cement of a "
+                "separated "
+                "bond as a whole, and fragments that are connected to no grain; delete a grain whose bonds are separated, and its cement "
+                "goes with it"));
 }
 
 void LeavingAtoms::remove(const std::vector<int>& tags) {
@@ -219,8 +219,8 @@ void LeavingAtoms::remove(const std::vector<int>& tags) {
     atom->map_set();
   }
   outside_.clear();
-  if (all[0] > 0 && !told_) {
-    told_ = true;
+  if (all[0] > 0 && !reported_flag_) {
+    reported_flag_ = true;
     tell(lmp, text_of(who_, all[0], " points of cement left the scene at step ", update->ntimestep,
                       ", since they hold to no grain that stays; later ones are counted, not told\n"));
   }

@@ -58,7 +58,7 @@ class LeavingAtoms : protected LAMMPS_NS::Pointers {
 
   std::string who_;
   std::vector<Outside> outside_;
-  bool told_ = false;
+  bool reported_flag_ = false;
 };
 
 }  // namespace mpdem

@@ -173,14 +173,14 @@ double make_points(LAMMPS* lmp, const std::vector<int>& rows) {
         throw BadState(text_of("grain ", record.grain[s], " has cement but was deleted or lost; keep bonded grains, or use a larger box"));
   }
   if (first_tag - 1 + expected > kMostTag)
-    throw BadState(
-        text_of("the ", expected, " points of bonds that wake exceed the number of atom IDs; create the cement with a larger spacing"));
+    throw BadState(text_of("the ", expected,
+                           " points of bonds that are activated exceed the number of atom IDs; create the cement with a larger spacing"));
   PointAtoms atoms(lmp);
   int tag = first_tag;
   double x[3], v[3];
   for (std::size_t n = 0; n < rows.size(); ++n) {
     BondRecord& record = avec.bonds.table[rows[n]];
-    const PointTemplate& of_bond = avec.bonds.patterns[record.pattern - 1];
+    const PointTemplate& of_bond = avec.bonds.templates[record.point_template - 1];
     const RigidBody rigid(record, &grains[2 * n]);
     int mine = 0;
     for (const bool count : {true, false}) {
@@ -196,7 +196,7 @@ double make_points(LAMMPS* lmp, const std::vector<int>& rows) {
       }
     }
     tag += record.points;
-    record.pattern = 0;
+    record.point_template = 0;
     record.wants_points = false;
   }
   const double mine = atoms.made();
@@ -204,7 +204,7 @@ double make_points(LAMMPS* lmp, const std::vector<int>& rows) {
   MPI_Allreduce(&mine, &created, 1, MPI_DOUBLE, MPI_SUM, lmp->world);
   if (created != expected)
     throw BadState(text_of(expected - created, " of the ", expected,
-                           " points of bonds that wake lie outside the simulation box; use a larger or periodic box"));
+                           " points of bonds that are activated lie outside the simulation box; use a larger or periodic box"));
   atoms.finish(first_tag, created);
   return created;
 }

@@ -49,17 +49,17 @@ std::string PointRanks::take(bool balance) {
   return "";
 }
 
-void PointRanks::find_bricks() {
-  Brick mine;
+void PointRanks::find_subdomains() {
+  Subdomain mine;
   for (int d = 0; d < 3; ++d) {
     mine.subdomain[d] = comm->myloc[d];
     mine.low[d] = domain->sublo[d];
     mine.high[d] = domain->subhi[d];
     edges_[d].assign(comm->procgrid[d] + 1, 0.0);
   }
-  bricks_.clear();
-  for (const Brick& b : gather_all(world, std::vector<Brick>{mine})) {
-    bricks_.push_back(b.subdomain);
+  subdomains_.clear();
+  for (const Subdomain& b : gather_all(world, std::vector<Subdomain>{mine})) {
+    subdomains_.push_back(b.subdomain);
     for (int d = 0; d < 3; ++d) {
       edges_[d][b.subdomain[d]] = b.low[d];
       edges_[d][b.subdomain[d] + 1] = b.high[d];
@@ -67,7 +67,7 @@ void PointRanks::find_bricks() {
   }
 }
 
-int PointRanks::brick_along(int d, double x) const {
+int PointRanks::subdomain_along(int d, double x) const {
   const std::vector<double>& edges = edges_[d];
   const int at = static_cast<int>(std::upper_bound(edges.begin(), edges.end(), x) - edges.begin()) - 1;
   return std::clamp(at, 0, static_cast<int>(edges.size()) - 2);
@@ -86,11 +86,11 @@ void PointRanks::start_run(const Fix* fix) {
 
 bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
   std::vector<BondRecord>& table = avec.bonds.table;
-  if (!any_homes(avec) && !on_the_way_) return false;
-  find_bricks();
+  if (!any_homes(avec) && !in_transit_) return false;
+  find_subdomains();
   const auto subdomain_of = [&](int i) {
     SubdomainIndex p;
-    for (int d = 0; d < 3; ++d) p[d] = brick_along(d, atom->x[i][d]);
+    for (int d = 0; d < 3; ++d) p[d] = subdomain_along(d, atom->x[i][d]);
     return p;
   };
   if (for_run) {
@@ -99,14 +99,14 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
       if (!avec.is_point(i) || table[avec.bond[i]].home == 0) continue;
       const int home = table[avec.bond[i]].home - 1;
       const SubdomainIndex p = subdomain_of(i);
-      if (home >= comm->nprocs || !is_beside(bricks_[home], p, p)) strayed.push_back(avec.bond[i]);
+      if (home >= comm->nprocs || !is_adjacent(subdomains_[home], p, p)) strayed.push_back(avec.bond[i]);
     }
     sort_unique(strayed);
     for (int row : gather_all(world, strayed)) table[row].home = 0;
     if (!balance_)
       for (BondRecord& b : table) b.home = 0;
   }
-  enum { kShown, kOnTheWay, kFlags };
+  enum { kShown, kInTransit, kFlags };
   int mine[kFlags] = {}, any[kFlags];
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec.is_point(i)) continue;
@@ -115,20 +115,20 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
     for (int d = 0; d < 3; ++d) here[d] = next[d] = comm->myloc[d];
     SubdomainIndex to = here;
     if (for_run) {
-      to = record.home > 0 ? bricks_[record.home - 1] : subdomain_of(i);
+      to = record.home > 0 ? subdomains_[record.home - 1] : subdomain_of(i);
       for (int d = 0; d < 3; ++d) next[d] = step_towards(here[d], to[d], comm->procgrid[d], domain->periodicity[d] != 0);
     } else if (!avec.bonds.find(avec.bond[i])->is_laid_out(avec.slot[i])) {
       continue;  // its true position could not be restored afterwards
     }
-    mine[kOnTheWay] |= next != to;
+    mine[kInTransit] |= next != to;
     if (record.home == 0 && next == to) continue;  // its position alone leads to this rank
     mine[kShown] = 1;
     for (int d = 0; d < 3; ++d) atom->x[i][d] = middle(d, next[d]);
   }
   MPI_Allreduce(mine, any, kFlags, MPI_INT, MPI_MAX, world);
   shows_homes_ = any[kShown] != 0;
-  if (for_run) on_the_way_ = any[kOnTheWay] != 0;
-  return any[kOnTheWay] != 0;
+  if (for_run) in_transit_ = any[kInTransit] != 0;
+  return any[kInTransit] != 0;
 }
 
 // Returns resolved bonds that are wholly on this rank, with the range of subdomains in which they lie.
@@ -142,7 +142,7 @@ std::vector<MovableBond> PointRanks::movable_bonds(const AtomVecMpdem& avec) con
     MovableBond& b = at->second;
     const bool first = b.high[0] < 0;
     for (int d = 0; d < 3; ++d) {
-      const int brick = brick_along(d, atom->x[i][d]);
+      const int brick = subdomain_along(d, atom->x[i][d]);
       b.low[d] = first ? brick : std::min(b.low[d], brick);
       b.high[d] = first ? brick : std::max(b.high[d], brick);
     }
@@ -162,14 +162,14 @@ bool PointRanks::is_uneven(const AtomVecMpdem& avec) {
       for (const BlockMeta& m : b.points.meta) mine += __builtin_popcount(m.occupied);
   }
   work_ = gather_all(world, std::vector<double>{mine});
-  last_ = mpdem::unevenness(work_);
+  last_ = mpdem::load_imbalance(work_);
   worst_ = std::max(worst_, last_);
-  return last_ > kUneven;
+  return last_ > kAllowedImbalance;
 }
 
 bool PointRanks::find_homes(AtomVecMpdem& avec) {
-  find_bricks();
-  const std::vector<BondMove> moves = rebalance(bricks_, gather_all(world, movable_bonds(avec)), work_);
+  find_subdomains();
+  const std::vector<BondMove> moves = rebalance(subdomains_, gather_all(world, movable_bonds(avec)), work_);
   for (const BondMove& m : moves) avec.bonds.table[m.row].home = m.rank + 1;
   return !moves.empty();
 }

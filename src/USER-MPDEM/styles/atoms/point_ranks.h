@@ -36,7 +36,7 @@ class PointRanks : protected LAMMPS_NS::Pointers {
   bool show_homes(LAMMPS_NS::AtomVecMpdem& avec, bool for_run);
   // Do some points show a position that is not their own? The same on all ranks.
   bool shows_homes() const { return shows_homes_; }
-  void true_places_shown() { shows_homes_ = false; }
+  void true_positions_shown() { shows_homes_ = false; }
 
   // Is the work of the ranks so uneven that bonds should move?
   bool is_uneven(const LAMMPS_NS::AtomVecMpdem& avec);
@@ -46,21 +46,21 @@ class PointRanks : protected LAMMPS_NS::Pointers {
   void tell(const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec);
 
  private:
-  struct Brick {
+  struct Subdomain {
     SubdomainIndex subdomain;
     double low[3], high[3];
   };
   bool any_homes(const LAMMPS_NS::AtomVecMpdem& avec) const;
-  void find_bricks();
-  int brick_along(int d, double x) const;  // index of the subdomain with this coordinate
+  void find_subdomains();
+  int subdomain_along(int d, double x) const;  // index of the subdomain with this coordinate
   double middle(int d, int brick) const;
   std::vector<MovableBond> movable_bonds(const LAMMPS_NS::AtomVecMpdem& avec) const;
 
-  std::vector<SubdomainIndex> bricks_;  // subdomain of each rank
-  std::vector<double> edges_[3];        // edges of subdomains along each direction, ascending
-  std::vector<double> work_;            // work of each rank, in points of resolved bonds
+  std::vector<SubdomainIndex> subdomains_;  // subdomain of each rank
+  std::vector<double> edges_[3];            // edges of subdomains along each direction, ascending
+  std::vector<double> work_;                // work of each rank, in points of resolved bonds
   bool balance_ = false;
-  bool shows_homes_ = false, on_the_way_ = false;  // on_the_way_: some points need another exchange
+  bool shows_homes_ = false, in_transit_ = false;  // in_transit_: some points need another exchange
   double last_ = 1.0, worst_ = 1.0;                // largest work over the mean, now and at most in this run
 };
 

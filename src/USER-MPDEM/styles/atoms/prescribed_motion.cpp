@@ -28,7 +28,7 @@ bool gives(const FixMove* fix, int d) {
   switch (move.style) {
     case kLinear: return move.velocity_flag[d] != 0;
     case kWiggle: return move.amplitude_flag[d] != 0;
-    case kVariable: return move.place_variable[d] || move.velocity_variable[d];
+    case kVariable: return move.position_variable[d] || move.velocity_variable[d];
     default: return true;
   }
 }

@@ -56,7 +56,7 @@ RestartSchedule restart_schedule(LAMMPS_NS::Output* output);
 struct MoveMembers {
   int style;
   int velocity_flag[3], amplitude_flag[3];
-  const char *place_variable[3], *velocity_variable[3];
+  const char *position_variable[3], *velocity_variable[3];
 };
 MoveMembers members_of(const LAMMPS_NS::FixMove* move);
 

@@ -30,7 +30,7 @@ using mpdem::Arguments;
 using mpdem::BondRecord;
 using mpdem::CementMaker;
 using mpdem::CementPlan;
-using mpdem::CementWish;
+using mpdem::CementRequest;
 using mpdem::FillPoint;
 using mpdem::GrainTags;
 using mpdem::GrainToBond;
@@ -47,7 +47,7 @@ constexpr double kMostShift = 1000.0;                       // of the origin of 
 std::vector<std::string> keywords() {
   std::vector<std::string> all = {"shape"};
   for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
-    for (const mpdem::ShapeWord& w : s.words)
+    for (const mpdem::ShapeOption& w : s.words)
       if (std::find(all.begin(), all.end(), w.name) == all.end()) all.push_back(w.name);
   all.insert(all.end(), {"content", "file", "attach", "inner", "film", "spacing", "density", "type", "grid", "overlap", "points"});
   return all;
@@ -155,18 +155,18 @@ CreateCement::Pairs CreateCement::cemented() const {
 }
 
 // Reads a keyword that belongs to the last shape.
-void CreateCement::read_word_of_shape(const std::string& key, Arguments& args, CementWish& wish) const {
+void CreateCement::read_word_of_shape(const std::string& key, Arguments& args, CementRequest& wish) const {
   if (wish.shapes.empty()) args.complain("'" + key + "' belongs to a shape; write it after 'shape ...'");
   const mpdem::ShapeStyle& style = *wish.shapes.back().style;
-  const mpdem::ShapeWord* word = style.word(key);
+  const mpdem::ShapeOption* word = style.word(key);
   if (key != "content" && !word)
     args.complain("'" + key + "' belongs to 'shape " + joined(shapes_with(key), "' or 'shape ") + "', not to 'shape " + style.name + "'");
-  const bool zero = word && word->range == mpdem::ShapeWord::not_negative;
+  const bool zero = word && word->range == mpdem::ShapeOption::not_negative;
   wish.shapes.back().given[key] = zero ? args.not_negative(key) : args.positive(key);
 }
 
 // Reads the rest of the command: shapes, each with its own keywords, and keywords for all of them.
-void CreateCement::read_words(Arguments& args, CementWish& wish) {
+void CreateCement::read_words(Arguments& args, CementRequest& wish) {
   bool has_inner = false, has_film = false;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
@@ -184,9 +184,9 @@ void CreateCement::read_words(Arguments& args, CementWish& wish) {
       wish.attach = args.positive(key);
     } else if (key == "inner") {
       const bool share = args.accept("share");
-      wish.inner_rule = share ? CementWish::usual : args.accept("auto") ? CementWish::two_spacings : CementWish::given;
+      wish.inner_rule = share ? CementRequest::usual : args.accept("auto") ? CementRequest::two_spacings : CementRequest::given;
       if (share) wish.share = args.between("inner share", kLeastLeftOut, kMostLeftOut, "of the smaller radius");
-      else if (wish.inner_rule == CementWish::given) wish.inner = args.not_negative(key, ", 'share' or 'auto'");
+      else if (wish.inner_rule == CementRequest::given) wish.inner = args.not_negative(key, ", 'share' or 'auto'");
       has_inner = true;
     } else if (key == "film") {
       wish.film = args.choice(key, {"joined", "grid"}) == "joined";
@@ -195,7 +195,7 @@ void CreateCement::read_words(Arguments& args, CementWish& wish) {
       for (double& g : wish.grid) g = args.number(key);
     } else if (key == "overlap") {
       const std::string how = args.choice(key, {"error", "skip", "trim"});
-      wish.overlap = how == "skip" ? CementWish::skip : how == "trim" ? CementWish::trim : CementWish::error;
+      wish.overlap = how == "skip" ? CementRequest::skip : how == "trim" ? CementRequest::trim : CementRequest::error;
     } else if (key == "spacing") {
       wish.spacing = args.positive(key);
     } else if (key == "points") {
@@ -220,7 +220,7 @@ void CreateCement::read_words(Arguments& args, CementWish& wish) {
   mpdem::check_host(mpdem::kPoints, view);
 }
 
-void CreateCement::check_words(const Arguments& args, const CementWish& wish, bool has_inner, bool has_film) const {
+void CreateCement::check_words(const Arguments& args, const CementRequest& wish, bool has_inner, bool has_film) const {
   if (wish.spacing <= 0.0) args.complain("keyword 'spacing' is missing: the distance of the material points");
   if (!wish.file.empty()) {
     if (wish.later) args.complain(text_of("'points later' belongs to shapes; those of 'file ", wish.file, "' are made now"));
@@ -263,7 +263,7 @@ Arguments CreateCement::named(const GrainTags& pair, const Arguments& args) {
 // Collective. Plans bonds of these pairs. The keywords are read after the first pair was checked.
 void CreateCement::plan(CementPlan& plan, const Pairs& pairs, const Arguments& args) {
   Arguments words = named(pairs[0], args);
-  plan.make(pairs, grains_of(pairs), cemented(), [&](CementWish& wish) { read_words(words, wish); });
+  plan.make(pairs, grains_of(pairs), cemented(), [&](CementRequest& wish) { read_words(words, wish); });
 }
 
 void CreateCement::cement_pair(Arguments& args) {
@@ -274,7 +274,7 @@ void CreateCement::cement_pair(Arguments& args) {
   const GrainTags pair = std::minmax(tags[0], tags[1]);
   CementPlan bonds(world, box_);
   plan(bonds, {pair}, args);
-  if (bonds.wish().overlap == CementWish::trim)
+  if (bonds.wish().overlap == CementRequest::trim)
     named(pair, args)
         .complain(
             "'overlap trim' belongs to 'contacts', whose bonds are shared out together; use 'overlap skip', or 'contacts' with a group of "
@@ -305,7 +305,7 @@ void CreateCement::cement_contacts(Arguments& args) {
   if (!pairs.empty()) {
     CementPlan bonds(world, box_);
     plan(bonds, pairs, args);
-    if (bonds.wish().overlap == CementWish::trim && !bonds.wish().file.empty())
+    if (bonds.wish().overlap == CementRequest::trim && !bonds.wish().file.empty())
       args.complain("'overlap trim' belongs to shapes; points of a file stay as they are, use 'overlap skip'");
     CementMaker maker(world, bonds, AtomVecMpdem::of(lmp)->bonds.table, scene(), *this);
     sums = make(maker);
@@ -361,14 +361,14 @@ CementMaker::Sums CreateCement::make(CementMaker& maker) {
 }
 
 // Bonds of one geometry share a template, whichever command makes them.
-int CreateCement::pattern_of(const std::vector<FillPoint>& points) {
-  std::vector<mpdem::PointTemplate>& patterns = AtomVecMpdem::of(lmp)->bonds.patterns;
-  mpdem::PointTemplate pattern;
-  pattern.head = head();
-  pattern.head.points = static_cast<int>(points.size());
+int CreateCement::template_of(const std::vector<FillPoint>& points) {
+  std::vector<mpdem::PointTemplate>& templates = AtomVecMpdem::of(lmp)->bonds.templates;
+  mpdem::PointTemplate point_template;
+  point_template.head = head();
+  point_template.head.points = static_cast<int>(points.size());
   for (const FillPoint& p : points) {
-    pattern.points.emplace_back();
-    mpdem::TemplatePoint& to = pattern.points.back();
+    point_template.points.emplace_back();
+    mpdem::TemplatePoint& to = point_template.points.back();
     std::copy(p.X.data(), p.X.data() + 3, to.X);
     to.volume = p.volume;
     to.links = p.links;
@@ -379,11 +379,11 @@ int CreateCement::pattern_of(const std::vector<FillPoint>& points) {
       to.link[k].area = p.link[k].area;
     }
   }
-  const std::vector<double> numbers = mpdem::packed({pattern});
-  if (known_patterns_.empty())
-    for (std::size_t n = 0; n < patterns.size(); ++n) known_patterns_.emplace(mpdem::packed({patterns[n]}), static_cast<int>(n) + 1);
-  const auto known = known_patterns_.emplace(numbers, static_cast<int>(patterns.size()) + 1);
-  if (known.second) patterns.push_back(std::move(pattern));
+  const std::vector<double> numbers = mpdem::packed({point_template});
+  if (known_templates_.empty())
+    for (std::size_t n = 0; n < templates.size(); ++n) known_templates_.emplace(mpdem::packed({templates[n]}), static_cast<int>(n) + 1);
+  const auto known = known_templates_.emplace(numbers, static_cast<int>(templates.size()) + 1);
+  if (known.second) templates.push_back(std::move(point_template));
   return known.first->second;
 }
 
@@ -412,7 +412,7 @@ std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
     if (row >= bodies) break;
     const BondRecord& record = table[row];
     const mpdem::Mat3<double> axes = mpdem::axes_of(record);
-    for (const mpdem::TemplatePoint& p : avec->bonds.pattern_of(row).points) {
+    for (const mpdem::TemplatePoint& p : avec->bonds.template_of(row).points) {
       const double width = mpdem::width_filled(p, record.spacing, full[row]);
       const Vector3 x(mpdem::position_in_box(record, axes, p.X).data());
       if (width > 0.0 && box_.owns(x)) found.push_back({x, row, width});

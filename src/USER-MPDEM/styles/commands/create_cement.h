@@ -36,9 +36,9 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   // reading of options
   void check_scene(const mpdem::Arguments& args) const;
   int group_of_points(const std::string& name) const;
-  void read_words(mpdem::Arguments& args, mpdem::CementWish& wish);
-  void read_word_of_shape(const std::string& key, mpdem::Arguments& args, mpdem::CementWish& wish) const;
-  void check_words(const mpdem::Arguments& args, const mpdem::CementWish& wish, bool has_inner, bool has_film) const;
+  void read_words(mpdem::Arguments& args, mpdem::CementRequest& wish);
+  void read_word_of_shape(const std::string& key, mpdem::Arguments& args, mpdem::CementRequest& wish) const;
+  void check_words(const mpdem::Arguments& args, const mpdem::CementRequest& wish, bool has_inner, bool has_film) const;
   void cement_pair(mpdem::Arguments& args);
   void cement_contacts(mpdem::Arguments& args);
   void report_sums(const mpdem::CementMaker::Sums& sums, int groupbit, const std::string& name);
@@ -53,7 +53,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   void plan(mpdem::CementPlan& plan, const Pairs& pairs, const mpdem::Arguments& args);
   mpdem::CementMaker::Scene scene() const;
   mpdem::CementMaker::Sums make(mpdem::CementMaker& maker);
-  int pattern_of(const std::vector<mpdem::FillPoint>& points) override;
+  int template_of(const std::vector<mpdem::FillPoint>& points) override;
   mpdem::TemplateHead head() const;
   std::vector<mpdem::FullPoint> full_points(int bodies) override;
   std::size_t create_points(const std::vector<mpdem::NewBond>& bonds, bool more) override;
@@ -67,7 +67,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   double density_ = 0.0;
   mpdem::SceneBox box_;
   mpdem::PointAtoms* atoms_ = nullptr;  // set while points are made
-  std::map<std::vector<double>, int> known_patterns_;
+  std::map<std::vector<double>, int> known_templates_;
 };
 
 }  // namespace LAMMPS_NS

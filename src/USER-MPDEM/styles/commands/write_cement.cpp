@@ -138,7 +138,7 @@ void WriteCement::command(int narg, char** arg) {
       args.complain(text_of("the cement of grains ", b.grain[0], " and ", b.grain[1], " has lost grain ", b.grain[b.left[0] ? 0 : 1],
                             ", which left the scene, and cannot be made again without it; ",
                             wanted[0] == 0 ? "name other pairs" : "name another pair"));
-    if (chosen.back() && b.pattern > 0)
+    if (chosen.back() && b.point_template > 0)
       args.complain(text_of("the cement of grains ", b.grain[0], " and ", b.grain[1],
                             " has no points yet; use 'fix_modify' with 'points all' for fix mpm, and 'run 0', before"));
     if (chosen.back()) made += b.points;
@@ -150,10 +150,11 @@ void WriteCement::command(int narg, char** arg) {
   const Now now = gather(chosen, args);
   std::string trouble;
   if (comm->me == 0)
-    trouble = now.points.size() == made ? write(name, chosen, now)
-                                        : text_of("write_cement: ", made - now.points.size(), " of ", made,
-                                                  " material points were deleted or left the box; use 'run 0' before, which takes crumbs "
-                                                  "and the cement of separated bonds out of the scene, or keep them");
+    trouble = now.points.size() == made
+                  ? write(name, chosen, now)
+                  : text_of("write_cement: ", made - now.points.size(), " of ", made,
+                            " material points were deleted or left the box; use 'run 0' before, which takes fragments "
+                            "and the cement of separated bonds out of the scene, or keep them");
   mpdem::stop_if_any(lmp, trouble);
 }
 

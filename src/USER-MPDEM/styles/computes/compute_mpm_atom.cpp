@@ -175,7 +175,7 @@ void ComputeMpmAtom::find_values(const mpdem::PointStore& points, const mpdem::B
       const int b = k.slot / kLanes, l = k.slot % kLanes;
       double X[3];
       for (int d = 0; d < 3; ++d) X[d] = points.created_at(b)[d][l];
-      const int nearer = mpdem::nearer_side(record, mpdem::nearer_to_first(record, X));
+      const int nearer = mpdem::nearer_grain(record, mpdem::nearer_to_first(record, X));
       if (value_[b].v[l] == 0.0 || k.grain == record.grain[nearer]) value_[b].v[l] = quantity_ == kGrain ? k.grain : k.attached ? 1.0 : 2.0;
     }
 }

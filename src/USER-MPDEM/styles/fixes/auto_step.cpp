@@ -29,37 +29,37 @@ void AutoStep::set(Cement& c, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fi
   const EigenvalueEstimate e = c.eigenvalue_of_new_layout();
   const double limit = longest_step(c, c.stable_step().step_for(e.most, o.relax));
   if (share_ > 0.0) {
-    warn_of_splits(o);
+    warn_of_splitting(o);
     set_step(limit, e, running, own);
   }
-  tell_substeps(o);
+  report_substeps(o);
 }
 
 // Returns the longest step of LIGGGHTS for this stable step of the cement. With `subcycle auto` the cement limits a
 // sub-step, and coupled grains limit the step.
-double AutoStep::longest_step(Cement& c, double cement_load) {
+double AutoStep::longest_step(Cement& c, double cement_step) {
   constexpr double kShareOfSubsteps = 0.9;  // of the stable step of the cement, as with `timestep auto`
-  if (c.options().subcycle > 0) return c.options().subcycle * cement_load;
-  longest_substep_ = std::min(longest_substep_ > 0.0 ? longest_substep_ : HUGE_VAL, kShareOfSubsteps * cement_load);
-  return share_ > 0.0 && c.penalty() ? std::max(cement_load, c.grains_step()) : cement_load;
+  if (c.options().subcycle > 0) return c.options().subcycle * cement_step;
+  longest_substep_ = std::min(longest_substep_ > 0.0 ? longest_substep_ : HUGE_VAL, kShareOfSubsteps * cement_step);
+  return share_ > 0.0 && c.penalty() ? std::max(cement_step, c.grains_step()) : cement_step;
 }
 
-void AutoStep::tell_substeps(const CementOptions& o) {
-  if (o.subcycle > 0 || substeps(o) == substeps_told_) return;
-  substeps_told_ = substeps(o);
-  if (substeps_told_ > kMostSubsteps)
+void AutoStep::report_substeps(const CementOptions& o) {
+  if (o.subcycle > 0 || substeps(o) == substeps_reported_) return;
+  substeps_reported_ = substeps(o);
+  if (substeps_reported_ > kMostSubsteps)
     stop_all(lmp,
-             who_ + text_of("'subcycle auto' takes ", substeps_told_, " sub-steps of the cement in a time step of ", update->dt,
+             who_ + text_of("'subcycle auto' takes ", substeps_reported_, " sub-steps of the cement in a time step of ", update->dt,
                             ", at most ", kMostSubsteps, " are allowed; use 'timestep ", kMostSubsteps * longest_substep_, "' or less"));
-  tell(lmp, text_of(who_, "subcycle auto: ", substeps_told_, " sub-steps of ", update->dt / substeps_told_, " in a time step of ",
+  tell(lmp, text_of(who_, "subcycle auto: ", substeps_reported_, " sub-steps of ", update->dt / substeps_reported_, " in a time step of ",
                     update->dt, "\n"));
 }
 
 // Nodes at the edge of a new crack are not constrained, so cracks shorten the stable step.
-void AutoStep::warn_of_splits(const CementOptions& o) {
+void AutoStep::warn_of_splitting(const CementOptions& o) {
   const double most = !o.split ? 1.0 : o.unilateral ? 0.6 : o.mass_order > 1 ? 0.75 : 0.8;
-  if (share_ <= most || splits_told_) return;
-  splits_told_ = true;
+  if (share_ <= most || splitting_reported_) return;
+  splitting_reported_ = true;
   mpdem::warn(lmp, text_of(who_, "'timestep auto ", share_,
                            "' with 'cracks split': nodes that split shorten the stable step, so the run may stop "
                            "where the cement breaks; use 'timestep auto ",

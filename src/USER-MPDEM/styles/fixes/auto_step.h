@@ -24,22 +24,22 @@ class AutoStep : protected LAMMPS_NS::Pointers {
   // fix mpm. Throws BadState.
   void set(Cement& c, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fix* own);
   // With `subcycle auto` prints the number of sub-steps if it changed, and stops if there are too many.
-  void tell_substeps(const CementOptions& o);
+  void report_substeps(const CementOptions& o);
 
   void save(CementHead& head) const;
   void restore(const CementHead& head);
 
  private:
-  double longest_step(Cement& c, double cement_load);
+  double longest_step(Cement& c, double cement_step);
   void set_step(double limit, const EigenvalueEstimate& e, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fix* own);
-  void warn_of_splits(const CementOptions& o);
+  void warn_of_splitting(const CementOptions& o);
 
   std::string who_;
   double share_;
   double found_ = 0.0, share_then_ = 0.0;  // the step that was found last, and its share
   double longest_substep_ = 0.0;           // for `subcycle auto`; 0: not yet known
-  int substeps_told_ = 0;
-  bool splits_told_ = false;
+  int substeps_reported_ = 0;
+  bool splitting_reported_ = false;
 };
 
 }  // namespace mpdem

@@ -29,7 +29,7 @@ namespace {
 // The stable step is computed twice on different blocks of points: for 'timestep auto' and for the report.
 constexpr double kRounding = 1.0 + 1e-9;
 
-std::string shares_of(const SeparatingSurface& s) {
+std::string shares_of(const FractureSurface& s) {
   const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
   if (all <= 0.0) return "";
   return text_of("; of the separating surface ", 100.0 * s.at_grain[0] / all, " % at the first grain, ", 100.0 * s.at_grain[1] / all,
@@ -110,12 +110,12 @@ void CementReport::parameters(Cement& c, bigint points) {
   const double limit = damped.step;
   if (lmp_->comm->me == 0 && !reported_) {
     const VtiConstants& e = c.law().elasticity().constants;
-    std::string text = text_of(who_, points, " material points, ", table.size(), " bodies, cell ", o.cell, "\n  elastic   Ep ", e.Ep,
+    std::string text = text_of(who_, points, " material points, ", table.size(), " bonds, cell ", o.cell, "\n  elastic   Ep ", e.Ep,
                                ", Ez ", e.Ez, ", nu_p ", e.nu_p, ", nu_zp ", e.nu_zp, ", Gzp ", e.Gzp, ", C33 ", c.law().elasticity().C33,
                                "\n  axis      ", axis_name(o.axis, o.axis_direction), "\n");
     text += c.law().report(o.cell);
     if (o.imperfection > 0.0)
-      text += text_of("  one side of each bond bears ", o.imperfection, " more strain than the other ('imperfection')\n");
+      text += text_of("  one side of each bond carries ", o.imperfection, " more strain than the other ('imperfection')\n");
     if (!c.law().inert()) text += text_of("  cracks    ", word_of(o.split, "split", "bonds"), "\n");
     if (c.penalty() && c.penalty()->friction < 0.0 && (!c.law().inert() || c.penalty()->law->fields() > 0))
       text += text_of("  contact   cement that debonded goes through its grain",
@@ -146,9 +146,10 @@ void CementReport::parameters(Cement& c, bigint points) {
     const std::vector<int>& without = c.report().bonds_without_field();
     constexpr std::size_t kNamed = 5;
     for (std::size_t n = 0; n < std::min(kNamed, without.size()); ++n)
-      others += text_of(n == 0 ? text_of("; ", without.size(), " stay resolved, since parts of them hold by next to nothing: of grains ")
-                               : std::string(", "),
-                        table[without[n]].grain[0], " and ", table[without[n]].grain[1]);
+      others +=
+          text_of(n == 0 ? text_of("; ", without.size(), " stay resolved, since pieces of them are connected by almost nothing: of grains ")
+                         : std::string(", "),
+                  table[without[n]].grain[0], " and ", table[without[n]].grain[1]);
     if (without.size() > kNamed) others += " ...";
     if (lmp_->comm->me == 0)
       tell(lmp_, text_of("  condensed ", bonds - c.report().resolved_bonds(), " of ", bonds, " bonds, with ", all, " solutions found anew",
@@ -226,8 +227,8 @@ void CementReport::warn(Cement& c) const {
 }
 
 void CementReport::accelerations(Cement& c) {
-  if (accelerations_told_ || !c.grains().accelerations_are_imprecise()) return;
-  accelerations_told_ = true;
+  if (accelerations_reported_ || !c.grains().accelerations_are_imprecise()) return;
+  accelerations_reported_ = true;
   mpdem::warn(lmp_, who_ +
                         "accelerations of grains are not found to their precision, and energy is not kept: grains are far lighter than the "
                         "mass that links add, and "
@@ -241,7 +242,7 @@ void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
   reported_ = true;
   if (!c.penalty()) return;
   const std::vector<BondRecord>& table = c.bonds().table;
-  const std::vector<double> of_ends = c.report().added_mass_of_sides();
+  const std::vector<double> of_ends = c.report().added_mass_of_ends();
   double mass[2] = {0.0, c.report().cement_mass()};  // mass of the grains, and of the cement with mass scaling
   for (int i = 0; i < lmp_->atom->nlocal; ++i)
     if (!avec.is_point(i)) mass[0] += lmp_->atom->rmass[i];
@@ -280,7 +281,7 @@ std::string limited_grain(LAMMPS* lmp, Cement& c) {
     for (const Grain& g : c.grains().grains)
       if (found.empty() && (lmp->atom->mask[lmp->atom->map(g.tag)] & fix.groupbit))
         found = text_of("; bonded grain ", g.tag, " is moved by fix '", fix.id,
-                        "' (nve/limit), which makes and takes energy where it limits the way: use 'fix nve/sphere'");
+                        "' (nve/limit), which makes and takes energy where it limits the displacement: use 'fix nve/sphere'");
   }
   return first_text(lmp->world, found);
 }
@@ -344,12 +345,12 @@ void CementReport::modes(Cement& c) {
   std::vector<int> holding;
   std::size_t lines = 0;
   for (std::size_t b = 0; b < std::min(state.size(), cracks.size()) && lines < kMostLines; ++b) {
-    told[b] = is_told(state[b]);
+    told[b] = is_listed(state[b]);
     if (told[b] && !cracks.separated(b)) holding.push_back(static_cast<int>(b));
     lines += told[b];
   }
   if (lines == 0) return;
-  const std::vector<Cracks::Ahead> ahead = c.cracks_ahead(holding);
+  const std::vector<Cracks::LigamentReport> ahead = c.cracks_ahead(holding);
   if (lmp_->comm->me != 0) return;
   auto of_next = ahead.begin();
   bool shares_nodes = false;  // has a bond lost more than half of a section whose crack has no phantom nodes?
@@ -357,16 +358,17 @@ void CementReport::modes(Cement& c) {
     if (!told[b]) continue;
     std::string text = text_of(who_, "bond ", b + 1, " of grains ", table[b].grain[0], " and ", table[b].grain[1], ": ", cracks.mode(b),
                                ", ", state[b].failed, " points failed");
-    if (c.leaves_residue()) text += text_of(", ", links_debonded(state[b]), " links let go");
+    if (c.leaves_residue()) text += text_of(", ", links_debonded(state[b]), " links debonded");
     if (cracks.separated(b)) {
       text += shares_of(cracks[b].separation);
       tell(lmp_, text + "\n");
       continue;
     }
-    const Cracks::Ahead& a = *of_next++;
+    const Cracks::LigamentReport& a = *of_next++;
     if (cracks.broken(b)) {
-      text += text_of(", and less than ", 100.0 * LoadHistory::kGone, " % of its largest load is left since step ", cracks[b].broken_at,
-                      " though ", a.left, " of ", a.whole, " points of its weakest section hold", shares_of(cracks[b].separation));
+      text += text_of(", and less than ", 100.0 * LoadHistory::kBrokenLoadRatio, " % of its largest load is left since step ",
+                      cracks[b].broken_at, " though ", a.left, " of ", a.whole, " points of its weakest section hold",
+                      shares_of(cracks[b].separation));
     } else {
       text += text_of("; ", a.whole > 0.0 ? 100.0 * a.left / a.whole : 0.0, " % of its weakest section is left (", a.left, " of ", a.whole,
                       " points), and a crack through that would be ", Cracks::mode_of(a.surface), shares_of(a.surface));
@@ -375,8 +377,8 @@ void CementReport::modes(Cement& c) {
     tell(lmp_, text + "\n");
   }
   const CementOptions& o = c.options();
-  if (shares_nodes && !split_told_ && !o.split && !o.reprojects()) {
-    split_told_ = true;
+  if (shares_nodes && !split_reported_ && !o.split && !o.reprojects()) {
+    split_reported_ = true;
     tell(lmp_, text_of(who_,
                        "with 'cracks bonds' the sides of a crack pull on each other until the whole bond is in two; 'cracks split' of fix "
                        "mpm parts them\n"));
@@ -385,19 +387,19 @@ void CementReport::modes(Cement& c) {
 }
 
 // Does the report at the end of a run have a line for this bond?
-bool CementReport::is_told(const BondState& bond) { return bond.failed != 0.0 || bond.separated != 0.0 || links_debonded(bond) != 0.0; }
+bool CementReport::is_listed(const BondState& bond) { return bond.failed != 0.0 || bond.separated != 0.0 || links_debonded(bond) != 0.0; }
 
 // Prints the number of bonds of each failure mode, where not every bond has a line.
 void CementReport::sum_of_modes(const Cement& c, int lines) const {
   std::map<std::string, int> count;
   int damaged = 0;
   for (std::size_t b = 0; b < bonds_->size(); ++b) {
-    if (!is_told((*bonds_)[b])) continue;
+    if (!is_listed((*bonds_)[b])) continue;
     ++count[c.cracks().mode(b)];
     ++damaged;
   }
   if (damaged == lines) return;
-  std::string text = text_of(who_, "of ", bonds_->size(), " bonds points failed ", c.leaves_residue() ? "or links let go " : "", "in ",
+  std::string text = text_of(who_, "of ", bonds_->size(), " bonds points failed ", c.leaves_residue() ? "or links debonded " : "", "in ",
                              damaged, ", the first ", lines, " of which are listed:");
   const char* comma = " ";
   for (const auto& mode : count) {
@@ -435,7 +437,7 @@ void CementReport::start(Cement& c) {
 }
 
 void CementReport::jump(Cement& c) {
-  if (jump_told_ || !c.penalty()) return;
+  if (jump_reported_ || !c.penalty()) return;
   const BondedGrains::Jump& j = c.grains().worst_jump();
   const double speed = c.law().elasticity().fastest_wave(c.inertia());
   const std::string text = j.tag == 0 ? ""
@@ -445,13 +447,13 @@ void CementReport::jump(Cement& c) {
                                                 "end smoothly, over many steps, as by 'fix move ... variable' with formulas");
   const std::string first = first_text(lmp_->world, text);
   if (first.empty()) return;
-  jump_told_ = true;
+  jump_reported_ = true;
   mpdem::warn(lmp_, first);
 }
 
 void CementReport::start_run(Cement& c) {
   in_run_ = true;
-  jump_told_ = false;
+  jump_reported_ = false;
   c.grains().watch_jumps(limit_of_jumps(c));
   forget();
 }

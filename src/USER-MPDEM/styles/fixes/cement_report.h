@@ -58,13 +58,13 @@ class CementReport {
   void stop_if_not_positive(const Cement& c) const;
   void stop_if_too_long(Cement& c, double limit) const;
   void warn(Cement& c) const;
-  static bool is_told(const BondState& bond);
+  static bool is_listed(const BondState& bond);
   void sum_of_modes(const Cement& c, int lines) const;
   double limit_of_jumps(const Cement& c) const;
 
   LAMMPS_NS::LAMMPS* lmp_;
   std::string who_;
-  bool reported_ = false, jump_told_ = false, split_told_ = false, accelerations_told_ = false;
+  bool reported_ = false, jump_reported_ = false, split_reported_ = false, accelerations_reported_ = false;
   bigint steps_timed_ = 0;  // steps of all runs since the last set-up
   CementTotals totals_{};
   const std::vector<BondState>* bonds_ = nullptr;

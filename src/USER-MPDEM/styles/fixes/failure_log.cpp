@@ -67,7 +67,7 @@ void FailureLog::add(const Bond& bond, const BondRecord& record, Failed what, lo
     double position[3];
     int grain = 0;
     for (int d = 0; d < 3; ++d) position[d] = points.created_at(slot / kLanes)[d][slot % kLanes];
-    const int nearer = record.grain[nearer_side(record, nearer_to_first(record, position))];
+    const int nearer = record.grain[nearer_grain(record, nearer_to_first(record, position))];
     for (auto k = std::lower_bound(gone.begin(), gone.end(), slot, [&](int link, int s) { return points.links[link].slot < s; });
          k != gone.end() && points.links[*k].slot == slot; ++k)
       if (grain == 0 || points.links[*k].grain == nearer) grain = points.links[*k].grain;

@@ -72,12 +72,12 @@ void FixCheckTimestepMpm::setup(int) {
 void FixCheckTimestepMpm::end_of_step() { check(); }
 
 void FixCheckTimestepMpm::check() {
-  const double cement_load = cement_->stable_step();
-  limit_ = std::min(cement_load, of_grains_);
+  const double cement_step = cement_->stable_step();
+  limit_ = std::min(cement_step, of_grains_);
   share_ = limit_ > 0.0 ? update->dt / limit_ : 0.0;
   if (!(share_ > fraction_)) return;
   const std::string text = text_of("fix check/timestep/mpm (id ", id, "): time step ", update->dt, " is ", share_, " of the stable step ",
-                                   limit_, limit_ < cement_load ? " of grains on their bonds at step " : " at step ", update->ntimestep,
+                                   limit_, limit_ < cement_step ? " of grains on their bonds at step " : " at step ", update->ntimestep,
                                    ", more than ", fraction_, "; use 'timestep ", fraction_ * limit_, "' or less");
   if (stop_) mpdem::stop_all(lmp, text);
   mpdem::warn(lmp, text, "fix check/timestep/mpm");

@@ -110,7 +110,7 @@ void FixMpm::init() {
   gravities_ = mpdem::gravities(view);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   cement_->set_most_bytes(0.5 * memory_limit_);  // the other half is for points and LIGGGHTS
-  std::vector<mpdem::SceneWords> made;
+  std::vector<mpdem::SceneOption> made;
   add_film(made);
   refuse(who(), made);
   cement_->couple(nullptr);  // fix mpm/couple registers in its own init
@@ -132,7 +132,7 @@ void FixMpm::make_points_of_run() {
   bool coupled = false;
   for (int i = 0; i < modify->nfix; ++i) coupled = coupled || std::string(modify->fix[i]->style) == "mpm/couple";
   std::vector<int> rows;
-  std::vector<mpdem::SceneWords> later;
+  std::vector<mpdem::SceneOption> later;
   const std::vector<mpdem::BondRecord>& table = avec_->bonds.table;
   for (int row : avec_->bonds.rows_without_points()) {
     if (!all_points_ && later.empty())
@@ -157,7 +157,7 @@ bool FixMpm::coupling_follows() {
   refuse(who(), {{"no fix mpm/couple"}});
   if (coupling_.warn_of_none())
     mpdem::warn(lmp, text_of(who(), "there is no fix mpm/couple, so that the cement bonds nothing",
-                             coupling_.so_far().kind == mpdem::LinksSoFar::kLinks
+                             coupling_.so_far().kind == mpdem::LinkSettings::kLinks
                                  ? " any more, and cannot be bonded again once it has made a step so"
                                  : "",
                              "; define one before the run", cement_->restored() ? ", after read_restart too" : ""));
@@ -174,7 +174,7 @@ bool FixMpm::wants_points() const { return all_points_ && !avec_->bonds.rows_wit
 void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p, const std::vector<std::string>& said) {
   const std::string trouble = coupling_.take(coupling->id, id, cell(), p);
   if (!trouble.empty()) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): ", trouble));
-  std::vector<mpdem::SceneWords> words;
+  std::vector<mpdem::SceneOption> words;
   for (const std::string& one : said) words.push_back({one});
   add_film(words);
   refuse(text_of("fix mpm/couple (id ", coupling->id, "): "), std::move(words), false);
@@ -183,20 +183,20 @@ void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p
 }
 
 // Stops if options of this fix and others exclude each other. from_here: does this fix report it?
-void FixMpm::refuse(const std::string& who, std::vector<mpdem::SceneWords> others, bool from_here) {
-  for (const mpdem::SceneWords& w : words_) others.push_back({w.words, from_here ? "" : text_of("fix mpm (id ", id, ")")});
-  const std::string trouble = mpdem::words_that_exclude(others);
+void FixMpm::refuse(const std::string& who, std::vector<mpdem::SceneOption> others, bool from_here) {
+  for (const mpdem::SceneOption& w : words_) others.push_back({w.words, from_here ? "" : text_of("fix mpm (id ", id, ")")});
+  const std::string trouble = mpdem::exclusion_in(others);
   if (!trouble.empty()) mpdem::stop_all(lmp, who + trouble);
 }
 
 // Collective. Adds the option of the first bond with a film, if there is one.
-void FixMpm::add_film(std::vector<mpdem::SceneWords>& words) {
+void FixMpm::add_film(std::vector<mpdem::SceneOption>& words) {
   const std::vector<mpdem::BondRecord>& table = avec_->bonds.table;
   int mine = INT_MAX, first;
   for (const mpdem::Bond& b : avec_->bonds)
     if (!b.film.empty()) mine = std::min(mine, b.row);
   for (int row : avec_->bonds.rows_without_points())
-    if (avec_->bonds.pattern_of(row).points.back().film) mine = std::min(mine, row);
+    if (avec_->bonds.template_of(row).points.back().film) mine = std::min(mine, row);
   MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, world);
   if (first < INT_MAX)
     words.push_back({"film joined", text_of("the cement of grains ", table[first].grain[0], " and ", table[first].grain[1])});
@@ -208,7 +208,7 @@ void FixMpm::set_time_step(const Fix* running) {
 
 void FixMpm::setup_pre_exchange() {
   check_positions();
-  let_leave(false);
+  remove_leaving(false);
   show_homes(update->setupflag != 0);
 }
 
@@ -218,7 +218,7 @@ void FixMpm::check_positions() {
   mpdem::check_host(mpdem::kStart, view);
   if (!cement_->built()) return;
   const std::vector<double> shown = mpdem::motion_shown(*atom);
-  fill_atoms();
+  write_point_atoms();
   view.shown = &shown;
   mpdem::check_host(mpdem::kShown, view);
 }
@@ -268,7 +268,7 @@ void FixMpm::setup(int) {
   atoms_.write_forces(cement_->grains());
   report_->added_mass(*cement_, *avec_);
   report_->forget();
-  fill_atoms();
+  write_point_atoms();
   watch_outside();
   mpdem::gather_into_huge_pages();
   watch_->start_run(*cement_, totals().failed > 0.0);
@@ -296,7 +296,7 @@ void FixMpm::post_integrate() {
   atoms_.read(cement_->grains());
   const auto moved = [this] { guarded([this] { cement_->grains_moved(); }); };
   if (substeps() == 1) return moved();
-  atoms_.read_places(cement_->grains());
+  atoms_.read_positions(cement_->grains());
   moved();
   atoms_.write_motion(cement_->grains());
 }
@@ -305,8 +305,8 @@ void FixMpm::pre_exchange() {
   if (!cement_->built()) return;
   cement_->timer().start(mpdem::StepTimer::kLayout);
   atoms_.report_trouble();
-  fill_atoms();
-  let_leave((update->ntimestep - 1) % cement_->options().check_every == 0);
+  write_point_atoms();
+  remove_leaving((update->ntimestep - 1) % cement_->options().check_every == 0);
   // new points take the indices of ghosts; LIGGGHTS has already called the fix that saves the history of contacts,
   // which refers to these indices
   const std::vector<int> rows = cement_->rows_that_want_points();
@@ -322,7 +322,7 @@ void FixMpm::pre_neighbor() {
   atoms_.find(*avec_, cement_->grains());
   atoms_.read(cement_->grains());
   guarded([this] { cement_->lay_out_exchanged(); });
-  if (ranks_.shows_homes()) fill_atoms();
+  if (ranks_.shows_homes()) write_point_atoms();
   cement_->timer().stop();
 }
 
@@ -333,7 +333,7 @@ void FixMpm::post_force(int) {
   guarded([this] { cement_->step(); });
   if (!cement_->rows_that_want_points().empty()) next_reneighbor = update->ntimestep + 1;
   atoms_.write_forces(cement_->grains());
-  atoms_.write_pushes(cement_->grains());
+  atoms_.write_free_velocities(cement_->grains());
 }
 
 void FixMpm::end_of_step() {
@@ -351,11 +351,11 @@ void FixMpm::end_of_step() {
   if (check_due || output_due || first) check_state();
   const bool shown = output_due || (check_due && leaving_.may_be_outside(*avec_));
   if (shown) {
-    fill_atoms();
+    write_point_atoms();
     watch_outside();
   }
   if (check_due && ranks_.is_uneven(*avec_)) {
-    if (!shown) fill_atoms();
+    if (!shown) write_point_atoms();
     if (ranks_.find_homes(*avec_)) next_reneighbor = update->ntimestep + 1;
   }
   if (first) coupling_.remember(cement_->penalty() ? &*cement_->penalty() : nullptr);
@@ -367,7 +367,7 @@ void FixMpm::post_run() {
   avec_->last_run.atoms = atom->natoms;
   avec_->last_run.dt = update->dt;
   report_->jump(*cement_);
-  fill_atoms();
+  write_point_atoms();
   watch_outside();
   write_events();
   watch_->check(*cement_);
@@ -381,7 +381,7 @@ void FixMpm::post_run() {
 void FixMpm::reset_dt() {
   guarded([this] {
     if (!cement_->built()) return;
-    step_->tell_substeps(options());
+    step_->report_substeps(options());
     report_->check_step(*cement_);
     cement_->change_step();
   });
@@ -432,11 +432,11 @@ void FixMpm::write_events() { failures_.write(this, lmp, who(), cement_->restore
 
 void FixMpm::show_points() { cement_->show_points(); }
 
-void FixMpm::fill_atoms() {
+void FixMpm::write_point_atoms() {
   cement_->sync_slots();
   avec_->clear_loads_of_points();
   leaving_.show_points(*avec_, cement_->report());
-  ranks_.true_places_shown();
+  ranks_.true_positions_shown();
 }
 
 // Attached cement must not be beyond a face of the box. Fragments leave in the step after a check, so that results do
@@ -450,7 +450,7 @@ void FixMpm::watch_outside() {
 }
 
 // Call it before LIGGGHTS exchanges atoms, while true positions are shown.
-void FixMpm::let_leave(bool points_too) {
+void FixMpm::remove_leaving(bool points_too) {
   if (!cement_->built()) return;
   const std::optional<mpdem::Departing> departing = leaving_.find(*avec_, points_too);
   if (!departing) return;

@@ -106,8 +106,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void points_failed(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::points); }
   void film_failed(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::film); }
   void links_debonded(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::links); }
-  void refuse(const std::string& who, std::vector<mpdem::SceneWords> others, bool from_here = true);
-  void add_film(std::vector<mpdem::SceneWords>& words);
+  void refuse(const std::string& who, std::vector<mpdem::SceneOption> others, bool from_here = true);
+  void add_film(std::vector<mpdem::SceneOption>& words);
   void slots_changed(const mpdem::Bond& bond) override;
   void failed(const mpdem::Bond& bond, mpdem::Failed what);
 
@@ -117,10 +117,10 @@ class FixMpm : public Fix, private mpdem::CementHost {
   mpdem::StepInput step_input() const;
   bool coupling_follows();
   void set_time_step(const Fix* running);
-  void fill_atoms();
+  void write_point_atoms();
   void show_homes(bool for_run);
   void watch_outside();
-  void let_leave(bool points_too);
+  void remove_leaving(bool points_too);
   void check_positions();
   void check_unprepared();
   mpdem::HostView host() const { return {lmp, who(), avec_, this, cement_.get(), wants_points()}; }
@@ -137,7 +137,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   std::unique_ptr<mpdem::AutoStep> step_;
   mpdem::BondedAtoms atoms_;
   mpdem::FailureLog failures_;
-  std::vector<mpdem::SceneWords> words_;  // keywords of the script
+  std::vector<mpdem::SceneOption> words_;  // keywords of the script
   mpdem::CouplingHistory coupling_;
   mpdem::HiddenPoints hidden_;
   mpdem::PointRanks ranks_;

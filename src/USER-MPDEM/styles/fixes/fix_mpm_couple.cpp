@@ -33,11 +33,11 @@ namespace {
 constexpr double kAutoOverC33 = 200.0;
 // Stiffness of contact points is at most this over one cell. Links are stiffer, since the stiffness of the bond depends
 // on them. Contact should need little added mass, so that impacts dissipate little energy
-// (PenaltyParameters::most_contact).
+// (PenaltyParameters::max_contact_stiffness).
 constexpr double kContactOverC33 = 5.0;
 constexpr double kMostFriction = 100.0;  // with more, rounding of the pressure would be a force
 
-using Words = mpdem::CouplingWords;
+using Words = mpdem::CouplingOptions;
 using CoupleKeyword = mpdem::Keyword<Words>;
 
 double stiffness(Arguments& args, const CoupleKeyword& k) { return args.accept("auto") ? -1.0 : args.positive(k.name, " or 'auto'"); }
@@ -129,7 +129,7 @@ void FixMpmCouple::init() {
   p.damping = words_.damping;
   p.at_surface = words_.at_surface;
   p.friction = words_.friction;
-  p.most_contact = kContactOverC33 * cement_->law().elasticity().C33 / cement_->cell();
+  p.max_contact_stiffness = kContactOverC33 * cement_->law().elasticity().C33 / cement_->cell();
   cement_->set_coupling(this, p, said_);
 
   mpdem::HostView view{
@@ -142,8 +142,8 @@ void FixMpmCouple::init() {
 
 // Warns if cells do not resolve the length over which an interface with strength and fracture energy softens.
 void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
-  if (length_told_ || comm->me != 0) return;
-  length_told_ = true;
+  if (length_reported_ || comm->me != 0) return;
+  length_reported_ = true;
   constexpr double kLeastCells = 2.0;
   const double cell = cement_->cell();
   for (const mpdem::SofteningLength& s : law.softening_lengths(cement_->law().elasticity().constants))

@@ -20,7 +20,7 @@ FixStyle(mpm / couple, FixMpmCouple)
 
 namespace mpdem {
 
-struct CouplingWords {
+struct CouplingOptions {
   double kn = -1.0, kt = -1.0, length = -1.0;  // negative: auto for kn and kt, the cell for the length
   Choice<TractionEntry> interface {
     &traction_entries().front(), {}
@@ -71,10 +71,10 @@ class FixMpmCouple : public Fix {
 
   std::string cement_id_;
   FixMpm* cement_ = nullptr;
-  mpdem::CouplingWords words_;
+  mpdem::CouplingOptions words_;
   std::vector<std::string> said_;  // the same as text of the script, see keywords.h
   mpdem::TableFile table_;
-  bool table_open_ = false, length_told_ = false;
+  bool table_open_ = false, length_reported_ = false;
   bigint table_last_ = -1;
 };
 

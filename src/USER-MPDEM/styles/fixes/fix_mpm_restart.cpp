@@ -22,7 +22,7 @@ void FixMpm::write_restart(FILE* fp) {
     mpdem::stop_all(lmp, who() +
                              "no run has taken up the motion of the nodes since read_restart, and a restart file that is written now would "
                              "lose it; use 'run 0' before write_restart");
-  if (ranks_.shows_homes()) fill_atoms();
+  if (ranks_.shows_homes()) write_point_atoms();
   if (cement_->built())
     check_state(false);  // a corrupt state must not replace a good file; LIGGGHTS has exchanged atoms, which loses forces
   write_events();        // a run that continues from the file does not report these events again
@@ -71,7 +71,7 @@ void FixMpm::restart(char* buf) {
   nodes.swap(avec_->restored_rows);
   guarded([&] { cement_->restore(head, in, nodes); });
   mpdem::stop_if_any(lmp, damaged(in.trouble()));  // only the nodes differ between ranks
-  const std::string others = cement_->other_words_than(head);
+  const std::string others = cement_->changed_options_since(head);
   if (!others.empty())
     mpdem::warn(lmp, text_of(who(), "the cement goes on with other words than in the steps before the restart file: ", others));
   // LIGGGHTS' files do not have the time, which would begin at 0 again.

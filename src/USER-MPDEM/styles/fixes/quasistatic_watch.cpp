@@ -15,11 +15,11 @@ namespace mpdem {
 namespace {
 constexpr double kCalm = 0.1;     // of the limit
 constexpr double kDamaged = 0.1;  // of the energy of the cement
-constexpr std::size_t kLooks = 3;
+constexpr std::size_t kSharesKept = 3;
 }  // namespace
 
 void QuasistaticWatch::start_run(Cement& c, bool any_failed) {
-  if (limit_ == 0.0 || told_) return;
+  if (limit_ == 0.0 || reported_flag_) return;
   const Report::EnergyShares now = c.report().energy_shares();
   keep(now.kinetic);
   if (started_) return;
@@ -29,7 +29,7 @@ void QuasistaticWatch::start_run(Cement& c, bool any_failed) {
 }
 
 void QuasistaticWatch::keep(double share) {
-  if (shares_.size() == kLooks) shares_.erase(shares_.begin());
+  if (shares_.size() == kSharesKept) shares_.erase(shares_.begin());
   shares_.push_back(share);
   at_ = lmp_->update->ntimestep;
 }
@@ -43,7 +43,7 @@ double QuasistaticWatch::median_share() const {
 
 // Failure before the first check is judged with the share at that check.
 void QuasistaticWatch::check(Cement& c) {
-  if (limit_ == 0.0 || told_ || lmp_->update->ntimestep == at_) return;
+  if (limit_ == 0.0 || reported_flag_ || lmp_->update->ntimestep == at_) return;
   const Report::EnergyShares now = c.report().energy_shares();
   int mine = failed_, any;
   MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, lmp_->world);
@@ -51,23 +51,23 @@ void QuasistaticWatch::check(Cement& c) {
   const bool damaged = now.dissipated > kDamaged, broke = any || (damaged && !damaged_), judged = broke && calm_;
   damaged_ = damaged;
   calm_ = !broke && (calm_ || now.kinetic < kCalm * limit_);
-  if (!looked_) keep(now.kinetic);
-  looked_ = true;
+  if (!checked_) keep(now.kinetic);
+  checked_ = true;
   if (judged && median_share() > limit_) warn(c);
   keep(now.kinetic);
 }
 
 void QuasistaticWatch::warn(const Cement& c) {
-  told_ = true;
+  reported_flag_ = true;
   const double share = median_share(), faster = std::sqrt(share / limit_), scale = c.options().mass_scale;
   const double less = scale / (faster * faster);
   const std::string scaled = less >= 1.0 ? text_of(", or 'quasistatic ", less, "' or less in the place of ", scale) : std::string();
   mpdem::warn(
       lmp_,
-      text_of(
-          who_, "cement began to break after step ", at_, " with a kinetic share of the energy of ", share, ", more than ", limit_,
-          " ('kinetic_share'): the load is not quasi-static, and cement bears more than it does under a slow one; move plates and grains ",
-          faster, " times as slowly", scaled, ", or let motion die away before; where motion is meant use 'kinetic_share no'"));
+      text_of(who_, "cement began to break after step ", at_, " with a kinetic share of the energy of ", share, ", more than ", limit_,
+              " ('kinetic_share'): the load is not quasi-static, and cement carries more than it does under a slow one; move plates and "
+              "grains ",
+              faster, " times as slowly", scaled, ", or let motion die away before; where motion is meant use 'kinetic_share no'"));
 }
 
 }  // namespace mpdem

@@ -40,11 +40,11 @@ class QuasistaticWatch {
   LAMMPS_NS::LAMMPS* lmp_;
   std::string who_;
   double limit_;
-  bool started_ = false, looked_ = false;  // a run began; there was a check in a run
-  bool failed_ = false;                    // failure on this rank since the last check
-  bool damaged_ = false;                   // damage has dissipated a tenth of the energy
-  bool calm_ = false;                      // no failure since there was almost no motion
-  bool told_ = false;
+  bool started_ = false, checked_ = false;  // a run began; there was a check in a run
+  bool failed_ = false;                     // failure on this rank since the last check
+  bool damaged_ = false;                    // damage has dissipated a tenth of the energy
+  bool calm_ = false;                       // no failure since there was almost no motion
+  bool reported_flag_ = false;
   std::vector<double> shares_;  // at the last checks
   bigint at_ = 0;               // step of the last of them
 };

@@ -19,12 +19,12 @@ std::string with_friction(double mu, const char* none) { return mu < 0.0 ? none 
 
 std::string CouplingHistory::take(const std::string& id, const std::string& cement, double cell, const PenaltyParameters& p) {
   if (!id_.empty() && id != id_) return text_of("cement '", cement, "' is coupled by fix '", id_, "' already; unfix one of them");
-  if (ran_.kind == LinksSoFar::kNone)
+  if (ran_.kind == LinkSettings::kNone)
     return text_of("cement '", cement,
                    "' made steps without a fix mpm/couple, in which the grains went elsewhere, and its links "
                    "would tear; keep one fix mpm/couple from the first step on, or create the cement anew in a new scene "
                    "(write_cement, create_cement ... file)");
-  if (ran_.kind == LinksSoFar::kLinks) {
+  if (ran_.kind == LinkSettings::kLinks) {
     constexpr double kAsPrinted = 1e-5;
     const auto differ = [](double a, double b) { return std::fabs(a - b) > kAsPrinted * b; };
     if (p.at_surface != ran_.at_surface)
@@ -59,7 +59,7 @@ std::string CouplingHistory::words_so_far() const {
 }
 
 void CouplingHistory::remember(const PenaltyParameters* p) {
-  ran_.kind = p ? LinksSoFar::kLinks : LinksSoFar::kNone;
+  ran_.kind = p ? LinkSettings::kLinks : LinkSettings::kNone;
   if (!p) return;
   ran_.kn = p->law->stiffness().kn;
   ran_.kt = p->law->stiffness().kt;

@@ -24,13 +24,13 @@ class CouplingHistory {
   // Returns true once, when the user should be warned of cement without a coupling.
   bool warn_of_none() { return !warned_ && (warned_ = true); }
 
-  const LinksSoFar& so_far() const { return ran_; }
-  void restore(const LinksSoFar& ran) { ran_ = ran; }
+  const LinkSettings& so_far() const { return ran_; }
+  void restore(const LinkSettings& ran) { ran_ = ran; }
 
  private:
   std::string words_so_far() const;
   std::string id_;
-  LinksSoFar ran_;
+  LinkSettings ran_;
   bool warned_ = false;
 };
 

@@ -38,7 +38,7 @@ constexpr int kNeighborMulti = 2, kMinimize = 2;  // values of Neighbor::style a
 const Atom& atoms(View v) { return *v.lmp->atom; }
 int tag(View v, int i) { return atoms(v).tag[i]; }
 bool is_point(View v, int i) { return v.cement->is_point(i); }
-bool is_bonded(View v, int i) { return v.made_for(tag(v, i)) > 0.0; }  // i: a grain
+bool is_bonded(View v, int i) { return v.radius_at_creation(tag(v, i)) > 0.0; }  // i: a grain
 const BondRecord& record_of(View v, int i) { return v.cement->bonds.table[v.cement->bond[i]]; }
 // Before their first run, points and their grid are where create_cement put them.
 bool is_new_point(View v, int i) { return is_point(v, i) && v.cement->bond[i] >= v.engine->rows_started(); }
@@ -54,7 +54,7 @@ bool has_cement(View v, const Fix& fix) { return &fix != v.mpm && (v.groups().so
 // later.
 std::string cement_in(View v, int groups, bool in, const std::string& else_what) {
   for (int row : v.cement->bonds.rows_without_points())
-    if (((v.cement->bonds.pattern_of(row).head.mask & groups) != 0) == in) {
+    if (((v.cement->bonds.template_of(row).head.mask & groups) != 0) == in) {
       const BondRecord& b = v.cement->bonds.table[row];
       return text_of("the cement of grains ", b.grain[0], " and ", b.grain[1], ", made later,");
     }
@@ -73,7 +73,7 @@ Found type_of_both(View v, int) {
     if (is_point(v, i)) cement[type] = 0;
     else grain[type] = std::min(grain[type], tag(v, i));
   }
-  for (const PointTemplate& p : v.cement->bonds.patterns) cement[p.head.type] = 0;
+  for (const PointTemplate& p : v.cement->bonds.templates) cement[p.head.type] = 0;
   for (std::vector<int>* of_types : {&grain, &cement}) MPI_Allreduce(MPI_IN_PLACE, of_types->data(), types, MPI_INT, MPI_MIN, v.lmp->world);
   for (int t = 1; t < types; ++t)
     if ((cement[t] == 0 || t == v.new_type) && grain[t] != MAXSMALLINT) return text_of("type ", t, " is that of grain ", grain[t], " too,");
@@ -129,7 +129,7 @@ Found changed_id(View v, int i) {
   if (is_point(v, i))
     return v.cement->points_of(i).tag(v.cement->slot_of(i)) == tag(v, i) ? "" : text_of(what, "material point ", tag(v, i), "),");
   const GrainState* grain = v.cement->grain(i);
-  return grain && grain->tag != tag(v, i) && v.made_for(grain->tag) > 0.0
+  return grain && grain->tag != tag(v, i) && v.radius_at_creation(grain->tag) > 0.0
              ? text_of(what, "bonded grain ", grain->tag, " is ", tag(v, i), " now),")
              : "";
 }
@@ -185,10 +185,10 @@ Found moved_grain(View v, int i) {
 }
 
 Found changed_radius(View v, int i) {
-  const double made_for = v.made_for(tag(v, i)), now = atoms(v).radius[i];
-  if (made_for == 0.0 || std::fabs(now - made_for) <= 1e-12 * made_for) return "";
+  const double radius_at_creation = v.radius_at_creation(tag(v, i)), now = atoms(v).radius[i];
+  if (radius_at_creation == 0.0 || std::fabs(now - radius_at_creation) <= 1e-12 * radius_at_creation) return "";
   return text_of("bonded grain ", tag(v, i), " has radius ", now, " at step ", v.lmp->update->ntimestep, ", but its cement was made for ",
-                 made_for);
+                 radius_at_creation);
 }
 
 Found not_finite(View v, int i) {
@@ -346,7 +346,7 @@ const Guard kGuards[] = {
      [](View v, int) { return Found(v.cement->bonds.table.empty() ? "there are no material points" : ""); }},
     {kRun | kExchanged, "material points that were deleted, left the box or were copied by `replicate`",
      "and cement cannot be deleted or copied by points",
-     "use a larger or periodic box, 'run 0' before, which takes crumbs and the cement of separated bonds out of the scene, and "
+     "use a larger or periodic box, 'run 0' before, which takes fragments and the cement of separated bonds out of the scene, and "
      "create_cement for each bond",
      kScene, other_number_of_points},
     {kRun, "cement of several densities", "and one density is needed", "give each create_cement the same 'density'", kScene,
@@ -497,12 +497,12 @@ const HostView::Groups& HostView::groups() const {
   const auto add = [&](int mask) { bits[0] |= mask, bits[1] |= ~mask; };
   for (int i = 0; i < lmp->atom->nlocal; ++i)
     if (cement->is_point(i)) add(lmp->atom->mask[i]);
-  for (int row : cement->bonds.rows_without_points()) add(cement->bonds.pattern_of(row).head.mask);
+  for (int row : cement->bonds.rows_without_points()) add(cement->bonds.template_of(row).head.mask);
   MPI_Allreduce(MPI_IN_PLACE, bits, 2, MPI_INT, MPI_BOR, lmp->world);
   return groups_.emplace(Groups{bits[0], ~bits[1]});
 }
 
-double HostView::made_for(int tag) const {
+double HostView::radius_at_creation(int tag) const {
   if (radius_.empty())
     for (const BondRecord& b : cement->bonds.table)
       for (int s = 0; s < 2; ++s)
@@ -523,7 +523,7 @@ Densities densities(const HostView& view) {
   const auto add = [&](double density) { ends[0] = std::min(ends[0], density), ends[1] = std::min(ends[1], -density); };
   for (int i = 0; i < atoms(view).nlocal; ++i)
     if (is_point(view, i)) add(atoms(view).density[i]);
-  for (int row : view.cement->bonds.rows_without_points()) add(view.cement->bonds.pattern_of(row).head.density);
+  for (int row : view.cement->bonds.rows_without_points()) add(view.cement->bonds.template_of(row).head.density);
   MPI_Allreduce(MPI_IN_PLACE, ends, 2, MPI_DOUBLE, MPI_MIN, view.lmp->world);
   return {ends[0], -ends[1]};
 }

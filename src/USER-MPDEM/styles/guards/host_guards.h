@@ -60,7 +60,7 @@ struct HostView {
   };
   const Groups& groups() const;
   // Radius for which the cement of grain `tag` was made; 0 if the grain has none.
-  double made_for(int tag) const;
+  double radius_at_creation(int tag) const;
 
   // Caches of these two.
   mutable std::optional<Groups> groups_ = std::nullopt;

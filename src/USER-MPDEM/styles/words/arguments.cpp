@@ -123,7 +123,7 @@ std::string Arguments::keyword(const std::vector<std::string>& allowed) {
   return w;
 }
 
-int Arguments::place_of_choice(const std::string& keyword, const std::vector<std::string>& allowed) {
+int Arguments::index_of_choice(const std::string& keyword, const std::vector<std::string>& allowed) {
   std::string list;
   for (const std::string& a : allowed) list += (list.empty() ? "" : ", ") + a;
   const std::string w = word("one of " + list + " for '" + keyword + "'");

@@ -50,11 +50,11 @@ class Arguments {
   double between(const std::string& keyword, double least, double most, const std::string& what = {});
   int integer(const std::string& keyword, int least, int most = std::numeric_limits<int>::max(), const std::string& or_word = {});
   std::string choice(const std::string& keyword, const std::vector<std::string>& allowed) {
-    return allowed[place_of_choice(keyword, allowed)];
+    return allowed[index_of_choice(keyword, allowed)];
   }
   // Returns the next argument, which must be one of these.
   std::string keyword(const std::vector<std::string>& allowed);
-  int place_of_choice(const std::string& keyword, const std::vector<std::string>& allowed);
+  int index_of_choice(const std::string& keyword, const std::vector<std::string>& allowed);
   bool yes_no(const std::string& keyword) { return choice(keyword, {"yes", "no"}) == "yes"; }
 
   [[noreturn]] void unknown(const std::string& word, const std::vector<std::string>& known) const;

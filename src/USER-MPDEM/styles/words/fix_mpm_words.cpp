@@ -13,18 +13,18 @@ namespace mpdem {
 
 namespace {
 // The parsed options, and values that only the law needs.
-struct WordsOfScript : ParsedOptions {
+struct ScriptOptions : ParsedOptions {
   bool tied_given = false, cracks_given = false, has_elastic = false;
   VtiConstants elastic;
   LawChoice damage{&law_entries().front(), {}};
   double crack_band = 0.0, nonlocal_energy = 0.0;  // fracture energies per area; 0: none
 };
-using ScriptKeyword = Keyword<WordsOfScript>;
+using ScriptKeyword = Keyword<ScriptOptions>;
 
 constexpr int kMostProjections = 1000;  // of `transfer xpic`, which is flip long before
 constexpr double kMostInertia = 1e9;    // of `quasistatic`, as a factor
 
-void take_transfer(Arguments& args, const ScriptKeyword& key, WordsOfScript& w) {
+void take_transfer(Arguments& args, const ScriptKeyword& key, ScriptOptions& w) {
   CementOptions& o = w.options;
   const std::string name = args.choice(key.name, {"pic", "flip", "apic", "xpic"});
   if (name == "pic") {
@@ -43,20 +43,20 @@ void take_transfer(Arguments& args, const ScriptKeyword& key, WordsOfScript& w) 
   }
 }
 
-void take_skip(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+void take_skip(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
   CementOptions& o = w.options;
   const bool of_old_scripts = args.accept("detached");
   const std::string name = of_old_scripts ? "detached" : args.choice("skip", {"undamaged", "failed", "resting", "all"});
   args.once("skip " + name);
   const bool on = args.yes_no("skip " + name);
   if (name == "detached")
-    w.notes.push_back(text_of("'skip detached ", on ? "yes" : "no", "' has no effect any more: links that let go take no time"));
+    w.notes.push_back(text_of("'skip detached ", on ? "yes" : "no", "' has no effect any more: links that debonded take no time"));
   if (name == "undamaged" || name == "all") o.advance.skip_undamaged = on;
   if (name == "failed" || name == "all") o.advance.skip_failed = on;
   if (name == "resting" || name == "all") o.advance.skip_resting = on;
 }
 
-void take_elastic(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+void take_elastic(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
   VtiConstants& constants = w.elastic;
   if (args.choice("elastic", {"vti", "isotropic"}) == "isotropic") {
     const double E = args.number("elastic isotropic E"), nu = args.number("elastic isotropic nu");
@@ -74,7 +74,7 @@ void take_elastic(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
   w.has_elastic = true;
 }
 
-void take_axis(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+void take_axis(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
   CementOptions& o = w.options;
   const std::string rule = args.choice("axis", {"radial", "bond", "global"});
   o.axis = rule == "radial" ? AxisRule::radial : rule == "bond" ? AxisRule::bond : AxisRule::global;
@@ -89,7 +89,7 @@ void take_axis(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
   for (double& a : o.axis_direction) a /= length;
 }
 
-void take_timestep(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+void take_timestep(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
   if (!args.accept("auto"))
     args.complain(
         "'timestep' takes the word 'auto' and a share of the stable step; a step in units of "
@@ -99,7 +99,7 @@ void take_timestep(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
   w.step_fraction = share;
 }
 
-void take_regularization(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+void take_regularization(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
   CementOptions& o = w.options;
   const std::string how = args.choice("regularization", {"none", "crackband", "nonlocal"});
   if (how == "crackband") w.crack_band = args.positive("regularization crackband");
@@ -114,7 +114,7 @@ void take_regularization(Arguments& args, const ScriptKeyword&, WordsOfScript& w
     } else if (args.accept("imperfection")) {
       args.once("imperfection", "regularization nonlocal");
       o.imperfection = args.between("regularization nonlocal ... imperfection", 0.0, kMostImperfection,
-                                    "by how much more strain one side of a bond bears");
+                                    "by how much more strain one side of a bond carries");
     } else {
       return;
     }
@@ -122,7 +122,7 @@ void take_regularization(Arguments& args, const ScriptKeyword&, WordsOfScript& w
 }
 
 // Sets internal length and fracture energy of the law.
-void soften(const Arguments& args, const WordsOfScript& w, Law& law) {
+void soften(const Arguments& args, const ScriptOptions& w, Law& law) {
   const CementOptions& o = w.options;
   std::string word = "'regularization crackband'";
   try {
@@ -155,7 +155,7 @@ void check_strength(const Arguments& args, const Law& law, const std::string& na
                         s.tensile_strength, "; both must be finite, ", law.advice_on_strain()));
 }
 
-void take_kinetic_share(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+void take_kinetic_share(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
   const double share = args.accept("no") ? 0.0 : args.positive("kinetic_share", " or 'no'");
   if (share > 1.0)
     args.complain(
@@ -164,18 +164,18 @@ void take_kinetic_share(Arguments& args, const ScriptKeyword&, WordsOfScript& w)
   w.kinetic_share = share;
 }
 
-void take_reproject(Arguments& args, const ScriptKeyword& key, WordsOfScript& w) {
+void take_reproject(Arguments& args, const ScriptKeyword& key, ScriptOptions& w) {
   if (args.accept("auto")) w.options.reproject_distortion = args.positive("reproject auto");
   else w.options.reproject_every = args.integer(key.name, 1, std::numeric_limits<int>::max(), " or 'auto'");
 }
 
-void take_quasistatic(Arguments& args, const ScriptKeyword& key, WordsOfScript& w) {
+void take_quasistatic(Arguments& args, const ScriptKeyword& key, ScriptOptions& w) {
   CementOptions& o = w.options;
   o.mass_scale = args.between(key.name, 1.0, kMostInertia, "factor on the inertia");
   o.relax = args.between(text_of("quasistatic ", o.mass_scale), 0.0, kMostDamping, "the second number, share of critical damping");
 }
 
-void take_condense(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+void take_condense(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
   CementOptions& o = w.options;
   o.condense = args.yes_no("condense");
   if (!args.accept("wake")) return;
@@ -186,55 +186,55 @@ void take_condense(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
 
 const std::vector<ScriptKeyword>& keywords() {
   static const std::vector<ScriptKeyword> all = {
-      {"cell", "length", "", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.cell = args.positive(k.name); }},
+      {"cell", "length", "", [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.cell = args.positive(k.name); }},
       {"basis", "linear, quadratic or cubic", "quadratic",
-       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) {
-         w.options.basis = static_cast<Basis>(args.place_of_choice(k.name, Bases::names()));
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) {
+         w.options.basis = static_cast<Basis>(args.index_of_choice(k.name, Bases::names()));
        }},
       {"mass_order", "1 or 2", "1",
-       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.mass_order = args.integer(k.name, 1, 2); }},
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.mass_order = args.integer(k.name, 1, 2); }},
       {"edge", "tied or free", "tied; free with updated and reproject",
-       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.tied_given = w.options.tied = k.is(args, "tied"); }},
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.tied_given = w.options.tied = k.is(args, "tied"); }},
       {"kinematics", "total or updated", "total",
-       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.updated = k.is(args, "updated"); }},
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.updated = k.is(args, "updated"); }},
       {"reproject", "N or auto D", "", take_reproject},
       {"transfer", "pic, flip A, apic or xpic M", "apic, where there is a transfer", take_transfer},
       {"elastic", "vti Ep Ez nu_p nu_zp Gzp or isotropic E nu", "", take_elastic},
       {"axis", "radial, bond or global nx ny nz", "radial", take_axis},
       {"damage", names_listed(law_entries()), "none",
-       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.damage = read_choice(args, k.name, law_entries()); }},
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.damage = read_choice(args, k.name, law_entries()); }},
       {"regularization", "none, crackband G or nonlocal L [energy G] [imperfection E]", "none", take_regularization},
       {"cracks", "bonds or split", "bonds; split with regularization nonlocal",
-       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.split = k.is(args, "split"), w.cracks_given = true; }},
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.split = k.is(args, "split"), w.cracks_given = true; }},
       {"unilateral", "yes or no", "no",
-       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.unilateral = k.is(args, "yes"); }},
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.unilateral = k.is(args, "yes"); }},
       {"condense", "yes or no, then [wake W]", "no", take_condense},
       {"timestep", "auto S", "", take_timestep},
       {"subcycle", "N, auto or no", "no",
-       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) {
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) {
          w.options.subcycle = args.accept("no") ? 1 : args.accept("auto") ? 0 : args.integer(k.name, 1, kMostSubsteps, ", 'no' or 'auto'");
        }},
       {"quasistatic", "S Z", "1 0", take_quasistatic},
       {"kinetic_share", "X or no", "0.003", take_kinetic_share},
       {"balance", "yes or no", "no",
-       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.balance = k.is(args, "yes"); }},
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.balance = k.is(args, "yes"); }},
       {"skip", "undamaged, failed, resting or all, then yes or no", "all yes", take_skip, true},  // once for each thing to skip
       {"check", "N", "100",
-       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.check_every = args.integer(k.name, 1); }},
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.check_every = args.integer(k.name, 1); }},
       {"events", "file", "",
-       [](Arguments& args, const ScriptKeyword&, WordsOfScript& w) { w.events = args.word("a file name for 'events'"); }},
+       [](Arguments& args, const ScriptKeyword&, ScriptOptions& w) { w.events = args.word("a file name for 'events'"); }},
   };
   return all;
 }
 
 // Chooses the defaults that depend on other keywords. A nonlocal average ends at a crack only where the crack has
 // phantom nodes.
-void choose_defaults(WordsOfScript& w) {
+void choose_defaults(ScriptOptions& w) {
   CementOptions& o = w.options;
   const auto may_say = [&](const char* words) {
-    std::vector<SceneWords> all = w.said;
+    std::vector<SceneOption> all = w.said;
     all.push_back({words});
-    return words_that_exclude(all).empty();
+    return exclusion_in(all).empty();
   };
   if (!w.cracks_given && o.advance.nonlocal && !o.condense && may_say("cracks split")) {
     o.split = true;
@@ -246,7 +246,7 @@ void choose_defaults(WordsOfScript& w) {
 }  // namespace
 
 ParsedOptions parse_cement_words(Arguments& args) {
-  WordsOfScript w;
+  ScriptOptions w;
   CementOptions& o = w.options;
   const std::vector<std::string> said = parse_keywords(args, keywords(), w, [&](const std::string& key) {
     check_misplaced(args, key, w.damage);
@@ -259,7 +259,7 @@ ParsedOptions parse_cement_words(Arguments& args) {
   if (!w.has_elastic) args.complain("keyword 'elastic' is missing: use 'elastic vti Ep Ez nu_p nu_zp Gzp' or 'elastic isotropic E nu'");
   for (const std::string& words : said) w.said.push_back({words});
   choose_defaults(w);
-  const std::string trouble = words_that_exclude(w.said);
+  const std::string trouble = exclusion_in(w.said);
   if (!trouble.empty()) args.complain(trouble);
   std::shared_ptr<Law> law = w.damage.make(VtiElasticity(w.elastic));
   soften(args, w, *law);

@@ -27,7 +27,7 @@ struct ParsedOptions {
   std::string events;                         // name of the file of events, or empty
   double kinetic_share = kUsualKineticShare;  // above which fix mpm warns; 0: never
   std::vector<std::string> notes;             // messages on keywords that have no effect any more
-  std::vector<SceneWords> said;               // all keywords with values, for word_rules.h
+  std::vector<SceneOption> said;              // all keywords with values, for word_rules.h
 };
 
 // Stops at keywords that are unknown, missing, out of range or exclude each other.

@@ -8,7 +8,7 @@ namespace mpdem {
 
 namespace {
 
-double read_value(Arguments& args, const std::string& law, const LawWord& word) {
+double read_value(Arguments& args, const std::string& law, const LawOption& word) {
   const std::string what = law + " " + word.name;
   if (!word.choices.empty()) {
     const std::string chosen = args.choice(what, word.choices);
@@ -20,19 +20,19 @@ double read_value(Arguments& args, const std::string& law, const LawWord& word) 
 }
 
 bool has_word(const LawEntry& law, const std::string& name) {
-  return std::any_of(law.words.begin(), law.words.end(), [&](const LawWord& w) { return w.name == name; });
+  return std::any_of(law.words.begin(), law.words.end(), [&](const LawOption& w) { return w.name == name; });
 }
 
 }  // namespace
 
-LawValues read_law_words(Arguments& args, const std::string& law, const std::vector<LawWord>& words) {
+LawValues read_law_words(Arguments& args, const std::string& law, const std::vector<LawOption>& words) {
   LawValues values;
-  const auto next = [&] { return std::find_if(words.begin(), words.end(), [&](const LawWord& w) { return args.accept(w.name); }); };
+  const auto next = [&] { return std::find_if(words.begin(), words.end(), [&](const LawOption& w) { return args.accept(w.name); }); };
   for (auto w = next(); w != words.end(); w = next()) {
     args.once(w->name, law);
     values.set(w->name, read_value(args, law, *w));
   }
-  for (const LawWord& w : words)
+  for (const LawOption& w : words)
     if (!w.needed_for.empty() && !values.has(w.name)) args.complain("'" + law + "' needs '" + w.name + "', " + w.needed_for);
   return values;
 }
@@ -44,7 +44,7 @@ void check_misplaced(const Arguments& args, const std::string& word, const LawCh
     if (!law && has_word(e, word)) law = &e;
   if (!law) return;
   std::string example = "damage " + law->name;
-  for (const LawWord& w : law->words)
+  for (const LawOption& w : law->words)
     if (!w.needed_for.empty() || w.name == word) example += " " + w.name + " ...";
   args.complain("'" + word + "' belongs to the words of 'damage " + law->name + "', with no other keyword between; write it there: '" +
                 example + "'");

@@ -27,7 +27,7 @@ struct Choice {
 using LawChoice = Choice<LawEntry>;
 
 // Reads the values of the options of a law. law: its name in messages.
-LawValues read_law_words(Arguments& args, const std::string& law, const std::vector<LawWord>& words);
+LawValues read_law_words(Arguments& args, const std::string& law, const std::vector<LawOption>& words);
 
 // Reads name and options of a law after a keyword.
 template <class Entry>
@@ -54,7 +54,8 @@ template <class Entry>
 std::vector<std::string> law_words(const std::string& keyword, const std::vector<Entry>& entries) {
   std::vector<std::string> all;
   for (const Entry& e : entries)
-    for (const LawWord& w : e.words) all.push_back((&w == &e.words.front() ? "and after '" + keyword + " " + e.name + "' " : "") + w.name);
+    for (const LawOption& w : e.words)
+      all.push_back((&w == &e.words.front() ? "and after '" + keyword + " " + e.name + "' " : "") + w.name);
   return all;
 }
 

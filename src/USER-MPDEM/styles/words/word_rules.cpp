@@ -27,7 +27,7 @@ const Exclusion kExclusions[] = {
      "no 'reproject', or 'kinematics total'"},
     {"transfer", "kinematics total without reproject", "it says how velocities are re-projected, and none are",
      "no 'transfer', or 'reproject N', 'reproject auto D' or 'kinematics updated'"},
-    {"quasistatic S Z above 0", "kinematics updated", "the damping goes with a reference that stays", "damping 0, or 'kinematics total'"},
+    {"quasistatic S Z above 0", "kinematics updated", "the damping needs a reference that stays", "damping 0, or 'kinematics total'"},
     {"edge tied", kTransfers, "nodes that points give their velocity to are free",
      "'edge free', or 'kinematics total' without 'reproject'"},
     {"mass_order 2", kTransfers, "it is for nodes that keep their velocity", "'mass_order 1', or 'kinematics total' without 'reproject'"},
@@ -39,11 +39,11 @@ const Exclusion kExclusions[] = {
     {"condense yes", kTransfers, "a condensed bond waits in the reference of its creation",
      "'condense no', or 'kinematics total' without 'reproject'"},
     {"condense yes", "mass_order 2", "condensed bonds have the mass of the first order", "'condense no', or 'mass_order 1'"},
-    {"condense yes", "basis cubic", "nodes at the edge hold by so little that bonds wake differently on other ranks",
+    {"condense yes", "basis cubic", "nodes at the edge are connected by so little that bonds are activated differently on other ranks",
      "'condense no', or 'basis quadratic' or 'linear'"},
     {"condense yes", "unilateral yes", "points that are stiff again while their crack is closed are not linear",
      "'condense no', or 'unilateral no'"},
-    {"subcycle N above 1 | subcycle auto", kTransfers, "cement follows impulses on its grains by its places in the reference",
+    {"subcycle N above 1 | subcycle auto", kTransfers, "cement follows impulses on its grains by its positions in the reference",
      "'subcycle no', or 'kinematics total' without 'reproject'"},
     {"basis linear", "kinematics updated",
      "no time step stays stable as points move, since a node that they have just reached has stiffness but next to no mass",
@@ -59,8 +59,9 @@ const Exclusion kExclusions[] = {
      "no 'energy', or 'damage tensor'"},
     {"quasistatic S Z above 0", "no fix mpm/couple", "it damps motion relative to the grains", "damping 0, or define a fix mpm/couple"},
     {"interface without interface penalty", "condense yes",
-     "links may soften before the cement does, so that bonds are not linear until they wake", "'interface penalty', or 'condense no'"},
-    {"friction", "condense yes", "contact where the cement let go is not linear", "no 'friction', or 'condense no'"},
+     "links may soften before the cement does, so that bonds are not linear until they are activated",
+     "'interface penalty', or 'condense no'"},
+    {"friction", "condense yes", "contact where the cement debonded is not linear", "no 'friction', or 'condense no'"},
     {"friction", kNewReference, "it needs a reference that stays", "no 'friction', or 'kinematics total' without 'reproject auto'"},
     {"friction", "cracks split with mass_order 2", "forces between faces of cracks are found with lumped masses",
      "no 'friction', or 'mass_order 1' or 'cracks bonds'"},
@@ -70,9 +71,9 @@ const Exclusion kExclusions[] = {
      "'unilateral no', or 'inner auto' or 'film grid' of create_cement"},
     {"points later", "condense no", "only condensed bonds do without points",
      "'condense yes', or 'fix_modify ... points all', which makes all points now"},
-    {"points later", "cracks split", "bonds of one pattern have the same nodes",
+    {"points later", "cracks split", "bonds of one template have the same nodes",
      "'cracks bonds', or 'fix_modify ... points all', which makes all points now"},
-    {"points later", "axis global", "bonds of one pattern have the same axes",
+    {"points later", "axis global", "bonds of one template have the same axes",
      "'axis radial' or 'axis bond', or 'fix_modify ... points all', which makes all points now"},
 };
 
@@ -101,14 +102,14 @@ bool is_written(const std::string& words, const std::string& value) {
   return same;
 }
 
-std::string said(const std::vector<SceneWords>& scene, const std::string& value) {
-  for (const SceneWords& s : scene)
+std::string said(const std::vector<SceneOption>& scene, const std::string& value) {
+  for (const SceneOption& s : scene)
     if (is_written(s.words, value)) return "'" + s.words + "'" + (s.of.empty() ? "" : " of " + s.of);
   return {};
 }
 
 // Returns the options of the scene that match one of these, or an empty text.
-std::string said_of(const std::vector<SceneWords>& scene, std::string values) {
+std::string said_of(const std::vector<SceneOption>& scene, std::string values) {
   for (values += " | "; !values.empty(); values.erase(0, values.find(" | ") + 3)) {
     std::string value = values.substr(0, values.find(" | ")), other;
     const std::size_t with = value.find(" with "), without = value.find(" without ");
@@ -123,7 +124,7 @@ std::string said_of(const std::vector<SceneWords>& scene, std::string values) {
 
 }  // namespace
 
-std::string words_that_exclude(const std::vector<SceneWords>& scene) {
+std::string exclusion_in(const std::vector<SceneOption>& scene) {
   for (const Exclusion& e : kExclusions) {
     const std::string a = said_of(scene, e.a), b = a.empty() ? a : said_of(scene, e.b);
     if (!b.empty()) return text_of(a, " does not go with ", b, ": ", e.why, "; use ", e.instead);

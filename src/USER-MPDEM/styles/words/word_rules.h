@@ -12,13 +12,13 @@
 namespace mpdem {
 
 // A keyword with its value, given or default: `reproject 10`.
-struct SceneWords {
+struct SceneOption {
   std::string words;
   std::string of = {};  // owner: `fix mpm (id cem)`; empty: the command that reads them
 };
 
 // Returns what excludes what, why, and a cure, or an empty text.
-std::string words_that_exclude(const std::vector<SceneWords>& scene);
+std::string exclusion_in(const std::vector<SceneOption>& scene);
 // Returns one line a pair: `excludes`, either option as in the documentation, and why, separated by tabs.
 std::string listed_exclusions();
 

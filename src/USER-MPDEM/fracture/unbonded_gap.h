@@ -22,8 +22,8 @@
 // and the bond counts as one without an unbonded gap.
 //
 // The code is serial and takes all points of a bond near its middle. The result does not depend on their order.
-#ifndef MPDEM_FRACTURE_CREVICE_H
-#define MPDEM_FRACTURE_CREVICE_H
+#ifndef MPDEM_FRACTURE_UNBONDED_GAP_H
+#define MPDEM_FRACTURE_UNBONDED_GAP_H
 
 #include <array>
 #include <vector>
@@ -34,33 +34,33 @@
 
 namespace mpdem {
 
-struct CrevicePoint {
+struct GapPoint {
   double X[3];          // centroid of the material
   int cell[3];          // cell of the lattice
-  int sheet;            // its side of the gap, nearer_side() of bond_record.h
+  int nearer_grain;     // its side of the gap, nearer_grain() of bond_record.h
   double share;         // filled share of the cell
-  bool middle = false;  // in_the_middle() of bond_record.h
+  bool middle = false;  // is_equidistant() of bond_record.h
 };
 
-struct Crevice {
+struct UnbondedGap {
   bool found = false;
   std::vector<std::array<int, 3>> joined;  // nodes, ascending
 };
 
-CrevicePoint crevice_point(const PointStore& points, const BondRecord& record, int block, int lane);
+GapPoint gap_point(const PointStore& points, const BondRecord& record, int block, int lane);
 
 // The search needs only points with |nearer_to_first()| (bond_record.h) of at most this reach.
-inline double crevice_reach(Basis basis, double cell) { return 2.0 * support(basis) * cell; }
+inline double gap_reach(Basis basis, double cell) { return 2.0 * support(basis) * cell; }
 
 // Empty space, in spacings, between the material of a point and the face of its cell in direction d, upwards (side 1)
 // or downwards (-1). Material is taken as a box about its centroid, and the volume missing in the box as a slit.
 // Returns 0 in a bond that is not regular (BondRecord::regular).
-double space_ahead(const CrevicePoint& p, const BondRecord& record, int d, int side);
+double space_ahead(const GapPoint& p, const BondRecord& record, int d, int side);
 // True if the material of neighbours touches. space: sum of the empty space between them, in spacings.
 inline bool touches(double space) { return space <= 0.1 + 1e-6; }
 
 // Changes the order of the points. cell: width of a cell of the grid.
-Crevice find_crevice(std::vector<CrevicePoint>& points, const BondRecord& record, Basis basis, double cell);
+UnbondedGap find_unbonded_gap(std::vector<GapPoint>& points, const BondRecord& record, Basis basis, double cell);
 
 }  // namespace mpdem
 

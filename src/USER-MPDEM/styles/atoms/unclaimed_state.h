@@ -15,7 +15,7 @@
 
 namespace LAMMPS_NS {
 
-class WaitingState {
+class UnclaimedState {
  public:
   // Returns whether the state of fixes in a restart file, `size` numbers, has one record for each fix of the file.
   static bool fits(LAMMPS* lmp, const double* state, int size);

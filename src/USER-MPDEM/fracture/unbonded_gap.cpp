@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#include "crevice.h"
+#include "unbonded_gap.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,20 +11,20 @@
 
 namespace mpdem {
 
-CrevicePoint crevice_point(const PointStore& points, const BondRecord& record, int block, int lane) {
-  CrevicePoint p;
+GapPoint gap_point(const PointStore& points, const BondRecord& record, int block, int lane) {
+  GapPoint p;
   for (int d = 0; d < 3; ++d) {
     p.X[d] = points.created_at(block)[d][lane];
     p.cell[d] = lattice_cell(record, d, p.X[d]);
   }
   p.share = points.blocks[block].volume[lane] / (record.spacing * record.spacing * record.spacing);
   const double nearer = nearer_to_first(record, p.X);
-  p.sheet = nearer_side(record, nearer);
-  p.middle = in_the_middle(record, nearer);
+  p.nearer_grain = nearer_grain(record, nearer);
+  p.middle = is_equidistant(record, nearer);
   return p;
 }
 
-double space_ahead(const CrevicePoint& p, const BondRecord& record, int d, int side) {
+double space_ahead(const GapPoint& p, const BondRecord& record, int d, int side) {
   if (!record.regular) return 0.0;
   double box = 1.0, ahead = 0.0;
   for (int c = 0; c < 3; ++c) {
@@ -48,11 +48,10 @@ using Table = std::unordered_map<GridIndex, Crossings, GridIndexHash, SameGridIn
 
 // Adds a crossing along axis d, from point a to point b of a row, to the nodes from the support of b to that of a.
 template <class Type>
-void add_crossing(const CrevicePoint& a, const CrevicePoint& b, int d, const BondRecord& record, double inverse_h, bool bridge,
-                  Table& table) {
+void add_crossing(const GapPoint& a, const GapPoint& b, int d, const BondRecord& record, double inverse_h, bool bridge, Table& table) {
   constexpr int S = Type::kSupport;
   const int e = (d + 1) % 3, g = (d + 2) % 3;
-  const auto middle = [&](const CrevicePoint& p, int c) { return (p.cell[c] + 0.5) * record.spacing + record.lattice[c]; };
+  const auto middle = [&](const GapPoint& p, int c) { return (p.cell[c] + 0.5) * record.spacing + record.lattice[c]; };
   int base[3];
   vd X[3];
   for (int c = 0; c < 3; ++c) {
@@ -75,14 +74,14 @@ void add_crossing(const CrevicePoint& a, const CrevicePoint& b, int d, const Bon
 
 // Calls f(a, b, axis) for successive points of a row, lower first, that are on different sides.
 template <class F>
-void for_each_crossing(std::vector<CrevicePoint>& points, F f) {
+void for_each_crossing(std::vector<GapPoint>& points, F f) {
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, g = (d + 2) % 3;
-    const auto row = [&](const CrevicePoint& p) { return std::array<int, 3>{p.cell[e], p.cell[g], p.cell[d]}; };
-    std::sort(points.begin(), points.end(), [&](const CrevicePoint& a, const CrevicePoint& b) { return row(a) < row(b); });
+    const auto row = [&](const GapPoint& p) { return std::array<int, 3>{p.cell[e], p.cell[g], p.cell[d]}; };
+    std::sort(points.begin(), points.end(), [&](const GapPoint& a, const GapPoint& b) { return row(a) < row(b); });
     for (std::size_t n = 1; n < points.size(); ++n) {
-      const CrevicePoint &a = points[n - 1], &b = points[n];
-      if (a.cell[e] == b.cell[e] && a.cell[g] == b.cell[g] && a.sheet != b.sheet) f(a, b, d);
+      const GapPoint &a = points[n - 1], &b = points[n];
+      if (a.cell[e] == b.cell[e] && a.cell[g] == b.cell[g] && a.nearer_grain != b.nearer_grain) f(a, b, d);
     }
   }
 }
@@ -90,26 +89,26 @@ void for_each_crossing(std::vector<CrevicePoint>& points, F f) {
 }  // namespace
 
 // Comparisons have a margin of 1e-6, so that rounding does not decide where a share equals its limit.
-Crevice find_crevice(std::vector<CrevicePoint>& points, const BondRecord& record, Basis basis, double cell) {
-  Crevice result;
+UnbondedGap find_unbonded_gap(std::vector<GapPoint>& points, const BondRecord& record, Basis basis, double cell) {
+  UnbondedGap result;
   const double all_rows = std::pow(cell / record.spacing, 2);
   with_basis(basis, [&](auto type) {
     using Type = decltype(type);
-    const auto adjacent = [](const CrevicePoint& a, const CrevicePoint& b, int d) { return b.cell[d] - a.cell[d] == 1; };
+    const auto adjacent = [](const GapPoint& a, const GapPoint& b, int d) { return b.cell[d] - a.cell[d] == 1; };
     Table gaps;  // first without bridges: most bonds have no gaps
-    for_each_crossing(points, [&](const CrevicePoint& a, const CrevicePoint& b, int d) {
+    for_each_crossing(points, [&](const GapPoint& a, const GapPoint& b, int d) {
       if (!adjacent(a, b, d)) add_crossing<Type>(a, b, d, record, 1.0 / cell, false, gaps);
     });
     for (const auto& n : gaps) result.found = result.found || n.second.gap > (kGapFound + 1e-6) * all_rows;
     if (!result.found) return;
     Table table;
-    for_each_crossing(points, [&](const CrevicePoint& a, const CrevicePoint& b, int d) {
+    for_each_crossing(points, [&](const GapPoint& a, const GapPoint& b, int d) {
       const bool bridge = adjacent(a, b, d) && touches(space_ahead(a, record, d, 1) + space_ahead(b, record, d, -1));
       add_crossing<Type>(a, b, d, record, 1.0 / cell, bridge, table);
     });
     for (const auto& n : table)
       if (n.second.bridge >= (kShareJoined - 1e-6) * (n.second.bridge + n.second.gap)) result.joined.push_back(n.first);
-    for (const CrevicePoint& p : points) {
+    for (const GapPoint& p : points) {
       if (!p.middle) continue;
       int base[3];
       for (int d = 0; d < 3; ++d) base[d] = support_base(p.X[d], 1.0 / cell, Type::kShift);

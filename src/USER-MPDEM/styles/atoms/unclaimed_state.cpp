@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#include "waiting_state.h"
+#include "unclaimed_state.h"
 
 #include <mpi.h>
 
@@ -18,7 +18,7 @@ namespace LAMMPS_NS {
 // In a row, the data of each fix begin with their length. Values have the same length for all atoms. A contact history
 // grows with the contacts, and zeros of any length are a history without contacts.
 
-bool WaitingState::fits(LAMMPS* lmp, const double* state, int size) {
+bool UnclaimedState::fits(LAMMPS* lmp, const double* state, int size) {
   if (size > lmp->atom->nextra_store) return false;
   int at = 0;
   for (int n = 0; n < lmp->modify->nfix_restart_peratom; ++n) {
@@ -29,7 +29,7 @@ bool WaitingState::fits(LAMMPS* lmp, const double* state, int size) {
   return at == size;
 }
 
-std::vector<double> WaitingState::neutral_row(LAMMPS* lmp, int atoms) const {
+std::vector<double> UnclaimedState::neutral_row(LAMMPS* lmp, int atoms) const {
   const int fixes = lmp->modify->nfix_restart_peratom;
   std::vector<int> shortest(fixes, INT_MAX);
   for (int i = 0; i < atoms; ++i) {
@@ -45,7 +45,7 @@ std::vector<double> WaitingState::neutral_row(LAMMPS* lmp, int atoms) const {
   return row;
 }
 
-void WaitingState::add(LAMMPS* lmp, int first, int first_tag) {
+void UnclaimedState::add(LAMMPS* lmp, int first, int first_tag) {
   Atom* atom = lmp->atom;
   if (atom->nextra_store == 0) return;
   if (first_tag_ == 0) {
@@ -56,7 +56,7 @@ void WaitingState::add(LAMMPS* lmp, int first, int first_tag) {
   for (int i = first; i < atom->nlocal; ++i) std::copy(row_.begin(), row_.end(), atom->extra[i]);
 }
 
-void WaitingState::finish(LAMMPS* lmp) {
+void UnclaimedState::finish(LAMMPS* lmp) {
   if (first_tag_ == 0) return;
   const Atom* atom = lmp->atom;
   for (int m = 0; m < lmp->modify->nfix; ++m) {

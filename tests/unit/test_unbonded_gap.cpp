@@ -3,7 +3,7 @@
 //
 // Cement on both sides of the plane z = 0 of a frame that may be rotated, cut by a lattice as create_cement does. Between
 // the sides is no gap, or a wedge that opens from a line x = tip on.
-#include "fracture/crevice.h"
+#include "fracture/unbonded_gap.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -21,19 +21,19 @@ constexpr double kSpacing = 0.25, kCell = 0.5;
 constexpr int kSub = 6, kHalf = 14;  // of lattice cells
 constexpr double kThick = 1.0, kWide = 2.4;
 
-Crevice look(std::vector<CrevicePoint> points, Basis basis = Basis::quadratic, const Vector& lattice = Vector::Zero(), double regular = 1) {
+UnbondedGap look(std::vector<GapPoint> points, Basis basis = Basis::quadratic, const Vector& lattice = Vector::Zero(), double regular = 1) {
   BondRecord record;
   record.spacing = kSpacing;
   record.regular = regular;
   for (int d = 0; d < 3; ++d) record.lattice[d] = lattice[d];
-  return find_crevice(points, record, basis, kCell);
+  return find_unbonded_gap(points, record, basis, kCell);
 }
 
 // Half the width of the wedge at x.
 using Opening = std::function<double(double)>;
 
-std::vector<CrevicePoint> layers(const Eigen::Quaterniond& turn, const Vector& shift, const Opening& opening) {
-  std::vector<CrevicePoint> points;
+std::vector<GapPoint> layers(const Eigen::Quaterniond& turn, const Vector& shift, const Opening& opening) {
+  std::vector<GapPoint> points;
   for (int i = -kHalf; i < kHalf; ++i)
     for (int j = -kHalf; j < kHalf; ++j)
       for (int k = -kHalf; k < kHalf; ++k) {
@@ -48,14 +48,14 @@ std::vector<CrevicePoint> layers(const Eigen::Quaterniond& turn, const Vector& s
           ++count;
         }
         if (count == 0) continue;
-        CrevicePoint p;
+        GapPoint p;
         const Vector X = sum / count;
         for (int d = 0; d < 3; ++d) p.X[d] = X[d];
         p.cell[0] = i;
         p.cell[1] = j;
         p.cell[2] = k;
         p.share = count / static_cast<double>(kSub * kSub * kSub);
-        p.sheet = (turn * (X - shift))[2] > 1e-6;
+        p.nearer_grain = (turn * (X - shift))[2] > 1e-6;
         points.push_back(p);
       }
   return points;
@@ -73,19 +73,19 @@ std::vector<std::pair<Eigen::Quaterniond, Vector>> placements() {
   return all;
 }
 
-TEST(Crevice, NoneWhereLayersTouch) {
+TEST(UnbondedGap, NoneWhereLayersTouch) {
   for (const auto& at : placements()) {
     const auto closed = [](double) { return 0.0; };
     EXPECT_FALSE(look(layers(at.first, at.second, closed)).found);
   }
 }
 
-TEST(Crevice, EndsWhereTheWedgeDoes) {
+TEST(UnbondedGap, EndsWhereTheWedgeDoes) {
   constexpr double kTip = -0.4;
   for (double slope : {0.3, 0.6}) {
     const auto wedge = [&](double x) { return slope * std::max(0.0, x - kTip); };
     for (const auto& at : placements()) {
-      const Crevice c = look(layers(at.first, at.second, wedge));
+      const UnbondedGap c = look(layers(at.first, at.second, wedge));
       EXPECT_TRUE(c.found);
       EXPECT_TRUE(std::is_sorted(c.joined.begin(), c.joined.end()));
       // Nodes of the middle, away from the rims: a node is joined as far as about a cell beyond the tip.
@@ -107,34 +107,34 @@ TEST(Crevice, EndsWhereTheWedgeDoes) {
   }
 }
 
-TEST(Crevice, DoesNotDependOnTheOrder) {
+TEST(UnbondedGap, DoesNotDependOnTheOrder) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
-    std::vector<CrevicePoint> points = layers(placements()[1].first, placements()[1].second, wedge);
-    const Crevice a = look(points, basis);
+    std::vector<GapPoint> points = layers(placements()[1].first, placements()[1].second, wedge);
+    const UnbondedGap a = look(points, basis);
     std::reverse(points.begin(), points.end());
-    const Crevice b = look(points, basis);
+    const UnbondedGap b = look(points, basis);
     EXPECT_TRUE(a.found);
     EXPECT_EQ(a.joined, b.joined);
   }
 }
 
 // Points in the very middle belong to both sides of the gap alike: which of them has them does not matter.
-TEST(Crevice, OfPointsInTheMiddleTheSheetDoesNotMatter) {
+TEST(UnbondedGap, OfPointsInTheMiddleTheSheetDoesNotMatter) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(M_PI / 4.0, Vector::UnitY()));
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
-    std::vector<CrevicePoint> one = layers(turn, Vector::Zero(), wedge), other;
-    for (CrevicePoint& p : one) p.middle = std::fabs((turn * Vector(p.X[0], p.X[1], p.X[2]))[2]) < 1e-6;
+    std::vector<GapPoint> one = layers(turn, Vector::Zero(), wedge), other;
+    for (GapPoint& p : one) p.middle = std::fabs((turn * Vector(p.X[0], p.X[1], p.X[2]))[2]) < 1e-6;
     other = one;
-    for (CrevicePoint& p : other) p.sheet = p.sheet || p.middle;
-    const Crevice c = look(one, basis);
+    for (GapPoint& p : other) p.nearer_grain = p.nearer_grain || p.middle;
+    const UnbondedGap c = look(one, basis);
     EXPECT_TRUE(c.found);
     EXPECT_EQ(c.joined, look(other, basis).joined);
     EXPECT_TRUE(std::is_sorted(c.joined.begin(), c.joined.end()));
     EXPECT_EQ(std::adjacent_find(c.joined.begin(), c.joined.end()), c.joined.end());
     int middle = 0, missing = 0;
-    for (const CrevicePoint& p : one) {
+    for (const GapPoint& p : one) {
       if (!p.middle) continue;
       ++middle;
       int base[3];
@@ -149,14 +149,14 @@ TEST(Crevice, OfPointsInTheMiddleTheSheetDoesNotMatter) {
 }
 
 // All coordinates are shifted by whole cells of the grid, and the lattice with them.
-TEST(Crevice, LatticeOffTheOrigin) {
+TEST(UnbondedGap, LatticeOffTheOrigin) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
-  std::vector<CrevicePoint> points = layers(placements()[1].first, placements()[1].second, wedge);
-  const Crevice a = look(points);
+  std::vector<GapPoint> points = layers(placements()[1].first, placements()[1].second, wedge);
+  const UnbondedGap a = look(points);
   const Vector lattice(2 * kCell, -kCell, 3 * kCell);
-  for (CrevicePoint& p : points)
+  for (GapPoint& p : points)
     for (int d = 0; d < 3; ++d) p.X[d] += lattice[d];
-  Crevice b = look(points, Basis::quadratic, lattice);
+  UnbondedGap b = look(points, Basis::quadratic, lattice);
   for (auto& n : b.joined)
     for (int d = 0; d < 3; ++d) n[d] -= static_cast<int>(lattice[d] / kCell);
   EXPECT_TRUE(a.found);
@@ -164,21 +164,21 @@ TEST(Crevice, LatticeOffTheOrigin) {
 }
 
 // Points anywhere in their cells, as files may have them, do not cut a bond.
-TEST(Crevice, PointsThatAreNoLattice) {
+TEST(UnbondedGap, PointsThatAreNoLattice) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
-  std::vector<CrevicePoint> points = layers(placements()[1].first, placements()[1].second, wedge);
+  std::vector<GapPoint> points = layers(placements()[1].first, placements()[1].second, wedge);
   const std::size_t joined = look(points, Basis::quadratic, Vector::Zero(), 0).joined.size();
   EXPECT_GT(joined, look(points).joined.size());
-  for (CrevicePoint& p : points)
+  for (GapPoint& p : points)
     for (int d = 0; d < 3; ++d) p.X[d] += 0.3 * kSpacing;
   EXPECT_EQ(look(points, Basis::quadratic, Vector::Zero(), 0).joined.size(), joined);
   // every other plane of cells empty, since the spacing is not that of the points: no gap
-  for (CrevicePoint& p : points)
+  for (GapPoint& p : points)
     for (int d = 0; d < 3; ++d) p.cell[d] *= 2;
   EXPECT_FALSE(look(points).found);
 }
 
-TEST(Crevice, OfNothing) { EXPECT_FALSE(look({}).found); }
+TEST(UnbondedGap, OfNothing) { EXPECT_FALSE(look({}).found); }
 
 }  // namespace
 }  // namespace mpdem
