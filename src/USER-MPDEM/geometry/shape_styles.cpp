@@ -6,7 +6,13 @@
 
 // The table has a line for each shape. shape(NAME) is `shape NAME` of a script, and NAME_style() is in the file of the
 // shape.
-#define MPDEM_SHAPES(shape) shape(flat) shape(meniscus) shape(coating) shape(hourglass)
+// clang-format off
+#define MPDEM_SHAPES(shape) \
+  shape(flat)               \
+  shape(meniscus)           \
+  shape(coating)            \
+  shape(hourglass)
+// clang-format on
 
 namespace mpdem {
 

@@ -2,12 +2,12 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "mechanisms.h"
 
+#include "../../coupling/crack_faces.h"
 #include "../../coupling/debonded_contact.h"
 #include "../../coupling/relative_damping.h"
 #include "../../coupling/shared_impulse.h"
 #include "../../mpm/closing_points.h"
 #include "../../mpm/consistent_mass.h"
-#include "../../coupling/crack_faces.h"
 
 namespace mpdem {
 
