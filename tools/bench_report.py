@@ -120,7 +120,7 @@ def diagram(rows, problem, file):
     colours = {"none": "black", "order2": "tab:purple", "pic": "tab:red", "flip": "tab:green", "apic": "tab:blue", "xpic2": "tab:orange"}
     transfers = {"none": "no transfer", "order2": "no transfer,\nmass of order 2", "pic": "PIC", "flip": "FLIP", "apic": "APIC", "xpic2": "XPIC of order 2"}
     references = {"total": "reference kept", "updated": "reference updated"}
-    panels = {"linear": "tents", "quadratic": "quadratic B-splines", "cubic": "cubic B-splines"}
+    panels = {"linear": "linear hat functions", "quadratic": "quadratic B-splines", "cubic": "cubic B-splines"}
     fig, axes = plt.subplots(1, 3, figsize=(11, 4.6), sharex=True, sharey=True)
     every = curves(rows, problem)
     for ax, basis in zip(axes, panels):

@@ -34,8 +34,8 @@ OPTIONS = [
     ("split", r"\bsplit_?\b(?!\()|\bsplits\b(?=\s*(?:&&|\|\||\?|\)))|\bshares_failed_mass\(", "node_splitting.* split_nodes.* phantom_nodes.* node_splitter.* node_volumes.* node_aliases.* restart_seal.*"),
     ("updated, transfers, reprojects", r"\bupdated\b(?!\.)|\b(?:transfers|reprojects)\(|\breproject_(?:every|distortion)\b", "updated.* advance_updated.* reproject.*"),
     ("condense", r"\bcondense\b(?!\()|\bword_against_patterns\(|\bmay_leave_points_out\(", "condensing.* condensed_*.* activation.*"),
-    ("is_resolved, condensed", r"\b(?:is_)?resolved(?:_slots)?\(|\bcondensed(?:_\.(?:has|any|any_cut|is)\(|\b(?!\())", "condensing.* condensed_*.* activation.* bond.h bond.cpp"),
-    ("unilateral", r"\bunilateral\b|\bclosing\.empty\(|\bfailed_hold\b", "closing_points.*"),
+    ("is_resolved, condensed", r"\b(?:is_)?resolved(?:_slots)?\(|\bcondensed(?:_\.(?:has|any|any_shared|is)\(|\b(?!\())", "condensing.* condensed_*.* activation.* bond.h bond.cpp"),
+    ("unilateral", r"\bunilateral\b|\bclosing\.empty\(|\bfailed_as_undamaged\b", "closing_points.*"),
     ("nonlocal", r"\bnonlocal_?\b(?!\()|\bhalf_band\b|\bnear_threshold\b|\bo(?:ptions)?\.(?:length|imperfection)\b|\bcrack_band\(", "nonlocal.* drive_average.* field_drive.* imperfection.* localisation.*"),
     ("friction", r"\b(?:faces_)?touches\(\)|\bfriction_?\b|\b(?:contacts?|faces)\.empty\(", "debonded_contact.* contact_remapping.* crack_faces.* closing_points.*"),
     ("leaves_residue", r"\bleaves_residue\(|\bresidue_?\b|\bis_residue\b|\bkLeavesResidue\b", "cohesive_traction.* traction_law.h"),
@@ -43,11 +43,11 @@ OPTIONS = [
     ("mass_order", r"\bmass_order\b|\bstability_bound\(", "consistent_mass.*"),
     ("tied", r"\btied\b|\bties\.empty\(", "extension_constraints.*"),
     ("relax", r"\brelax\b|\bmass_scale\b", "relative_damping.*"),
-    ("pattern", r"\bpattern\b|\bhas_pattern\(", "point_template.* template_layouts.*"),
+    ("point_template", r"\bpoint_template\b|\bhas_template\(", "point_template.* template_layouts.*"),
     ("separated", r"\bseparated\b(?:\()?|\bbroken\(|\bin_pieces\b", "separation.* cracks.*"),
-    ("cut_by_ranks", r"\b(?:some_|any_)?(?:bond_)?(?:is_)?cut(?:_by_ranks)?\((?!\))|\bcut_by_ranks\(|\bany_cut\(|\bany_bond_is_cut_?\b|\bcut_\.count|\bshares_any\(", "halo_sum.* shared_nodes.*"),
+    ("cut_by_ranks", r"\b(?:some_|any_)?(?:bond_)?(?:is_)?cut(?:_by_ranks)?\((?!\))|\bcut_by_ranks\(|\bany_shared\(|\bany_bond_is_cut_?\b|\bcut_\.count|\bshares_any\(", "halo_sum.* shared_nodes.*"),
     ("ranks == 1", r"\b(?:ranks|ranks_|nprocs)\s*(?:==|!=|>)\s*1\b", "halo_sum.* all_to_all.* rendezvous.* gather_ranks.*"),
-    ("film", r"\bfilm\.(?:empty|holds|all)\b|\bkFilm\b|\b\w*(?:->|\.)film\b(?![.\w(])|\bhas_film\b", "film.* film_fill.*"),
+    ("film", r"\bfilm\.(?:empty|carries_load|all)\b|\bkFilm\b|\b\w*(?:->|\.)film\b(?![.\w(])|\bhas_film\b", "film.* film_fill.*"),
 ]
 CODE = (".cpp", ".h")
 NAME_BEFORE = re.compile(r"(?:\b(if|while|for|switch|return)\s*|([\w\]>})])\s*)$")

@@ -30,24 +30,24 @@ def row(run, radius):
     events, bond = read(run / "events_run.csv"), read(run / "bond_run.csv")
     separated = [float(b["time"]) for b in bond if float(b["separated"]) > 0]
     t, r, z = (np.array([float(e[c]) for e in events]) for c in ("time", "r", "z"))
-    let_go = np.array([e["mode"] == "debonding" for e in events])
+    debonding = np.array([e["mode"] == "debonding" for e in events])
     until = t <= (separated[0] if separated else np.inf)
-    t, r, z, let_go = t[until], r[until], z[until], let_go[until]
+    t, r, z, debonding = t[until], r[until], z[until], debonding[until]
     if len(t) < 20:
         return None
     half = radius - np.sqrt(radius**2 - r**2)
-    inside = np.abs(z[~let_go] / half[~let_go])
+    inside = np.abs(z[~debonding] / half[~debonding])
     first = r[:max(10, len(r) // 50)]
     thirds, bursts = [""] * 3, 0
-    if let_go.sum() >= 20:
-        ends = np.linspace(r[let_go].min(), r[let_go].max(), 4)
+    if debonding.sum() >= 20:
+        ends = np.linspace(r[debonding].min(), r[debonding].max(), 4)
         for i in range(3):
-            here = let_go & (r >= ends[i]) & (r <= ends[i + 1])
+            here = debonding & (r >= ends[i]) & (r <= ends[i + 1])
             thirds[i] = f"{1e6 * np.median(t[here]):.3g}" if here.any() else ""
-        times = np.sort(t[let_go])
+        times = np.sort(t[debonding])
         bursts = 1 + int((np.diff(times) > (times[-1] - times[0]) / 50).sum())
     heights = [f"{q:.3g}" for q in np.percentile(inside, [25, 50, 75])] if len(inside) else [""] * 3
-    return [run.name, len(t), f"{let_go.mean():.3g}", *(f"{1e3 * x:.4g}" for x in (first.min(), first.max(), r.min(), r.max())),
+    return [run.name, len(t), f"{debonding.mean():.3g}", *(f"{1e3 * x:.4g}" for x in (first.min(), first.max(), r.min(), r.max())),
             *heights, *thirds, bursts]
 
 

@@ -18,7 +18,7 @@ except ImportError:
     sys.exit("mutate.py: the Python bindings of libclang are missing; install them with "
              "'apt-get install python3-clang-14 libclang-common-14-dev'")
 
-RELATIONS = {  # of whole numbers: the boundary moves; of others, where a boundary is next to nothing: the sense
+RELATIONS = {  # of whole numbers: the boundary moves; of others, where a boundary is almost nothing: the sense
     "<": ("<=", ">"), "<=": ("<", ">="), ">": (">=", "<"), ">=": (">", "<="), "==": ("!=", "!="), "!=": ("==", "==")}
 ARITHMETIC = {"+": "-", "-": "+", "*": "/", "/": "*"}
 LOGIC = {"&&": "||", "||": "&&"}

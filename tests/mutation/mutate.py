@@ -162,7 +162,7 @@ class Folder:
         return found, compiled_by
 
     def refuse(self, compiled_by):
-        """Mutants that do not compile, found without generating code. A file that was looked at is not looked at again."""
+        """Mutants that do not compile, found without generating code. A file is examined once."""
         seen = self.state.setdefault("compiled", {})
         todo = {}
         for n, c in enumerate(self.mutants, 1):

@@ -62,7 +62,7 @@ CASES = {
     "xpic order": ([("axis radial", "axis radial kinematics updated transfer xpic 0")], ["transfer xpic", "0", "1"]),
     "xpic order that takes days": ([("axis radial", "axis radial kinematics updated transfer xpic 2000000000")], ["fix mpm (id cem)", "transfer xpic 2000000000", "from 1 to 1000"]),
     "reproject with updated": ([("axis radial", "axis radial kinematics updated reproject 5")], ["'reproject 5' does not go with", "no 'reproject'"]),
-    "tents with updated": ([("axis radial", "axis radial kinematics updated basis linear")],
+    "linear basis with updated": ([("axis radial", "axis radial kinematics updated basis linear")],
                            ["fix mpm (id cem)", "'basis linear' does not go with 'kinematics updated'", "no time step", "use 'basis quadratic', or 'kinematics total'"]),
     "edge tied with updated": ([("axis radial", "axis radial kinematics updated edge tied")], ["edge tied", "edge free", "updated"]),
     "edge tied with reproject": ([("axis radial", "axis radial reproject 5 edge tied")], ["edge tied", "edge free", "reproject"]),

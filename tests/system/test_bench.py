@@ -32,12 +32,12 @@ def test_short_run(tmp_path, figures):
         assert order >= 1.9
         assert (tmp_path / f"{problem}.png").stat().st_size > 5000
     # Phase after one period of 4: lumped mass and consistent stiffness of linear hat functions against the central difference.
-    tents = [r for r in result["accuracy"] if (r["problem"], r["method"]) == ("bar", "total/linear/none")]
-    assert [r["cells"] for r in tents] == [4, 6, 12, 24]
-    for r in tents:
+    linear = [r for r in result["accuracy"] if (r["problem"], r["method"]) == ("bar", "total/linear/none")]
+    assert [r["cells"] for r in linear] == [4, 6, 12, 24]
+    for r in linear:
         h, dt = 1 / r["cells"], 4 / r["steps"]
         late = 2 * math.pi * (math.pi / 2 * h) ** 2 / 24 * (1 - (dt / h) ** 2)
-        figures.below(f"bar, tents, {r['cells']:g} cells: error against the closed form, less 1", abs(r["error"] / late - 1), 0.01)
+        figures.below(f"bar, linear, {r['cells']:g} cells: error against the closed form, less 1", abs(r["error"] / late - 1), 0.01)
     lumped, second = ([r["error"] for r in result["accuracy"] if (r["problem"], r["method"]) == ("bar", f"total/quadratic/{m}")] for m in ("none", "order2"))
     assert len(lumped) == 4
     figures.below("bar: error with mass_order 2 over that with the lumped mass", max(b / a for a, b in zip(lumped[1:], second[1:])), 0.1)

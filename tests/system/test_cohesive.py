@@ -103,9 +103,9 @@ def test_the_link_or_the_point(case, tmp_path, figures):
     c = cement_of(tmp_path / "cement.txt")
     links = sum((c[f"area_{s}"] > 0).sum() for s in "ij")
     holds = sum(((c[f"area_{s}"] > 0) & (c[f"attached_{s}"] == 1)).sum() for s in "ij")
-    skins = sum(((c[f"attached_{s}"] == 1) & (c["failed"] == 1)).sum() for s in "ij")
+    residue = sum(((c[f"attached_{s}"] == 1) & (c["failed"] == 1)).sum() for s in "ij")
     assert links - holds == len(by_link) and t["f_bond[16]"][-1] == holds
-    assert (skins > 50) == (mode != "debonding")
+    assert (residue > 50) == (mode != "debonding")
     figures.below(f"{case}: imbalance of the energy", abs(t["f_cem[12]"][t["f_bond"].argmax():]).max(), 0.01)
     if mode == "debonding" or cracks != "bonds":  # fragments of split nodes fly off their lattice
         return
@@ -124,16 +124,16 @@ def test_residue_carries_nothing(tmp_path, figures, cracks):
     run(pair(CELL / 2, cement="content 0.01") + "write_cement whole.txt\n", tmp_path)
     c = cement_of(tmp_path / "whole.txt")
     loads = []
-    for skins in (True, False, None):
-        c["failed"] = ((c["area_i"] > 0) & (c["x"] < 0) & (skins is not None)).astype(float)
-        c["attached_i"] = ((c["area_i"] > 0) & ((c["failed"] == 0) | bool(skins))).astype(float)
+    for residue in (True, False, None):
+        c["failed"] = ((c["area_i"] > 0) & (c["x"] < 0) & (residue is not None)).astype(float)
+        c["attached_i"] = ((c["area_i"] > 0) & ((c["failed"] == 0) | bool(residue))).astype(float)
         c["damage_i"] = c["damage_j"] = 0 * c["x"]
         np.savetxt(tmp_path / "cement.txt", np.column_stack(list(c.values())), fmt="%.17g", header=" ".join(c), comments="")
         text = edit(breaking(4e7, cracks), "shape flat content 0.01 inner auto", "file cement.txt").replace("events events.csv", "").replace("csv 20 bond.csv", "")
         t = run(text + "run 200\n", tmp_path).table()
         assert t["f_bond[18]"][-1] == c["failed"].sum()
         loads.append(t["f_bond"][-1])
-    figures.below(f"{cracks}: load of a bond with skins against links that debonded", abs(loads[0] / loads[1] - 1), 1e-9)
+    figures.below(f"{cracks}: load of a bond with residue against links that debonded", abs(loads[0] / loads[1] - 1), 1e-9)
     assert loads[0] < 0.7 * loads[2]
 
 
@@ -171,7 +171,7 @@ def test_link_damage_is_for_the_law_that_knows_it(tmp_path):
     for words in ("fix mpm/couple (id bond)", "grains 1 and 2", "'interface penalty' does not know", "damage_i damage_j"):
         assert words in refused.errors()[0], refused.errors()
     row = int(np.flatnonzero((c["area_i"] > 0) & (c["attached_i"] == 1))[0])
-    for value, attached, words in ((1.5, 1, "'damage_i' is 1.5; the damage of a link must lie between 0 and 1"), (-0.1, 1, "'damage_i' is -0.1"), (1.0, 1, "has let go")):
+    for value, attached, words in ((1.5, 1, "'damage_i' is 1.5; the damage of a link must lie between 0 and 1"), (-0.1, 1, "'damage_i' is -0.1"), (1.0, 1, "has debonded")):
         bad = {n: v.copy() for n, v in c.items()}
         bad["damage_i"][row], bad["attached_i"][row] = value, attached
         np.savetxt(tmp_path / "cement.txt", np.column_stack(list(bad.values())), fmt="%.17g", header=" ".join(bad), comments="")

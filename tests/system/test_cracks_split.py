@@ -57,7 +57,7 @@ def test_hat_functions_on_ranks(tmp_path, figures):
               for n, processors in ((1, "* * *"), (2, "1 1 2"))}
     one, two = tables.values()
     assert one["f_bond[18]"][-1] > 300 and (one["f_bond[18]"] == two["f_bond[18]"]).all()
-    figures.below("tents that split, 2 ranks: bond force against 1 rank, over the peak", abs(one["f_bond"] - two["f_bond"]).max() / one["f_bond"].max(), 7e-13)
+    figures.below("linear basis, nodes that split, 2 ranks: bond force against 1 rank, over the peak", abs(one["f_bond"] - two["f_bond"]).max() / one["f_bond"].max(), 7e-13)
 
 
 @pytest.mark.parametrize("off", ["7.5e-5 0 0", "0 7.5e-5 7.5e-5"])
@@ -181,7 +181,7 @@ def test_restart(one_rank, tmp_path, figures):
     assert not different, different
     for name, column in other.table().items():
         assert (one_rank.table()[name][-AFTER // EVERY - 1:] == column).all(), name
-    figures.note("cracks split, restart while points fail", f"{len(p)} columns equal to the bit")
+    figures.note("cracks split, restart while points fail", f"{len(p)} columns bitwise equal")
 
 
 @pytest.mark.parametrize("ranks, processors", [(1, "* * *"), (2, "1 1 2")])

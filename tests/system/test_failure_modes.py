@@ -68,7 +68,7 @@ def sector(c, few, rest):
 WALL = 100 * 2 * STEP * SPACING / (2e-3**2 - 1e-3**2) + 2
 # shape, failed points, mode, shares in per cent (first grain, second, inside) or None, uncertainty if not 2
 CASES = {
-    "both grains let go": ("flat", lambda c: c.at[0] | c.at[1], "debonding", (50, 50, 0)),
+    "both grains debonded": ("flat", lambda c: c.at[0] | c.at[1], "debonding", (50, 50, 0)),
     "first grain and middle": ("flat", lambda c: c.at[0] | c.plane, "debonding", (100, 0, 0)),
     "middle and second grain": ("flat", lambda c: c.plane | c.at[1], "debonding", (0, 100, 0)),
     "two cracks inside": ("wide", lambda c: abs(abs(c.z) - 2.5 * SPACING) < 0.2 * SPACING, "internal", (0, 0, 100)),
@@ -77,13 +77,13 @@ CASES = {
     "a twentieth at the second grain": ("flat", lambda c: sector(c, c.at[1], c.plane), "internal", (0, 5, 95)),
     "a twentieth inside": ("flat", lambda c: sector(c, c.plane, c.at[1]), "debonding", (0, 95, 5)),
     "notch around the ring": ("flat", lambda c: c.plane & (c.r > STEP), "intact", None),
-    "both grains half let go": ("flat", lambda c: np.where(c.x < 0, c.at[0], c.at[1]), "intact", None),
+    "both grains half debonded": ("flat", lambda c: np.where(c.x < 0, c.at[0], c.at[1]), "intact", None),
     "meniscus, middle": ("meniscus", lambda c: c.plane, "internal", (0, 0, 100)),
     "meniscus, first grain": ("meniscus", lambda c: c.at[0], "debonding", (100, 0, 0)),
     "coating, shell of the first grain": ("coating", lambda c: c.at[0], "debonding", (100, 0, 0)),
     "coating, shell of the second grain": ("coating", lambda c: c.at[1], "debonding", (0, 100, 0)),
     "coating, where shells meet": ("coating", lambda c: c.plane & (c.r < TOUCH + SPACING), "internal", (0, 0, 100)),
-    "coating, let go within the ring": ("coating", lambda c: c.at[0] & (c.r < MEET - 2 * SPACING), "intact", None),
+    "coating, debonded within the ring": ("coating", lambda c: c.at[0] & (c.r < MEET - 2 * SPACING), "intact", None),
 }
 
 

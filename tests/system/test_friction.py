@@ -105,7 +105,7 @@ def test_cement_beside_residue_touches_it(cracks, tmp_path, figures):
     columns = ["f_bond", "f_bond[17]", "f_bond[22]", "f_bond[36]", "f_bond[37]", "f_cem[12]", "v_z"]
     t = run(text + thermo(50, columns) + "run 4600\n", tmp_path).table()
     apart = t["f_bond[22]"] == 1
-    assert t["f_bond"].max() > 100 and apart.any() and t["f_bond[17]"].max() < 20, "breaks, and hardly a link lets go"
+    assert t["f_bond"].max() > 100 and apart.any() and t["f_bond[17]"].max() < 20, "breaks, and hardly a link debonds"
     touching = (t["f_bond[36]"] + t["f_bond[37]"])[apart]
     figures.note(f"cracks {cracks}: largest force that presses the halves, N, and share of the beads' surface that touches", f"{-t['f_bond'][apart].min():.3g} {touching.max():.2g}")
     assert -t["f_bond"][apart].min() > 25 and touching.max() > 0.1

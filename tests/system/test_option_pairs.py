@@ -192,7 +192,7 @@ def trouble_of(chosen, folder):
             found.append(f"{name} off by {off:.1e}")
     for name in COLUMNS:
         if not np.array_equal(again[name], one[name][-len(again[name]):]):
-            found.append(f"{name} not to the bit after a restart")
+            found.append(f"{name} not bitwise the same after a restart")
     whole = (one[FAILED] == 0) & (two[FAILED] == 0)
     for name in BOOKS + FORCES + MOMENTUM_COLUMNS:
         off = abs(one[name] - two[name])[whole].max() / scale_of(name, one)

@@ -214,8 +214,8 @@ def test_redraw_bad_table(tmp_path, text):
 def test_residue():
     """Failed points that are still bonded to a grain are its residue; those inside, or debonded, are not."""
     sys.path.insert(0, str(ROOT / "tools"))
-    from mpdem.interface import skins
+    from mpdem.interface import residue
     first = {"id": np.array([1, 2, 3, 4]), "c_attached": np.array([1, 1, 1, 0]), "c_grain": np.array([7, 7, 8, 0])}
     events = {"point": np.array([1, 2, 3, 4]), "grain": np.array([0, 7, 0, 0])}
-    assert skins(events, first, 7).tolist() == [True, False, False, False]
-    assert skins(events, first, 8).tolist() == [False, False, True, False]
+    assert residue(events, first, 7).tolist() == [True, False, False, False]
+    assert residue(events, first, 8).tolist() == [False, False, True, False]

@@ -59,7 +59,7 @@ def test_bitwise_identical(tmp_path, first, figures, ranks):
         scale = 1.0 if name == "f_cem[12]" else abs(column).max()
         allowed = 0.0 if ranks == 1 else 1e-11 * scale
         assert abs(a.table()[name][-rows:] - column).max() <= allowed, name
-    figures.note(f"restart, {ranks} rank(s)", f"{len(COLUMNS)} columns equal to the bit")
+    figures.note(f"restart, {ranks} rank(s)", f"{len(COLUMNS)} columns bitwise equal")
 
 
 def test_on_more_ranks(tmp_path, first, figures):

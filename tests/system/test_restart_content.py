@@ -18,7 +18,7 @@ BOND_NUMBERS = 56
 FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "left": 18, "time": 24, "coupling": 27, "kn": 28, "law": 31, "bonds": 51,
        "nodes": 52, "copies": 61}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
-POINT = {"kind": 17, "bond": 18, "layer": 19, "failed": 20, "looked at": 21, "holds": 22, "film": 23, "framed": 24, "place": 25, "volume": 28, "deformation": 29, "frame": 38,
+POINT = {"kind": 17, "bond": 18, "layer": 19, "failed": 20, "checked": 21, "connected": 22, "film": 23, "framed": 24, "place": 25, "volume": 28, "deformation": 29, "frame": 38,
          "strain": 42, "damage": 48, "law": 54, "moving": 55, "links": 56, "grain": 57, "foot": 58, "area": 61, "attached": 62, "way": 63, "inert": 66, "state": 67}
 # The same of a grain.
 GRAIN = {"orientation": 19, "seen": 23, "velocity": 24, "placed": 63}

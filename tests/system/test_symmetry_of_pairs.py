@@ -149,13 +149,13 @@ def test_points_of_a_skew_pair(tmp_path, figures):
     quantities = [f"{t}_{c}" for t in TENSORS for c in PARTS] + ["axis_x", "axis_y", "axis_z", "pressure", "stress_max", "failed"]
     columns = ["x", "y", "z", "vx", "vy", "vz"] + [f"c_{q}" for q in quantities]
 
-    def looked_at(axis, turn):
+    def seen_along(axis, turn):
         text = scene(MENISCUS, axis, turn @ along, 560, VISCOUS + " events events.csv")
         done = run(text.replace("run 560", point_quantities(quantities) + dump(560, columns) + "run 560"), tmp_path / "".join(map(str, axis)))
         with open(done.directory / "events.csv") as f:
             return done.points(560), list(csv.DictReader(f))
 
-    (a, first), (b, second) = looked_at((0, 0, 1), np.eye(3)), looked_at(n, R)
+    (a, first), (b, second) = seen_along((0, 0, 1), np.eye(3)), seen_along(n, R)
     assert (a["c_failed"] == b["c_failed"]).all() and 50 < a["c_failed"].sum() < len(a["x"])
 
     def tensors(p, name):

@@ -34,6 +34,10 @@ WRONG = {
     r"\blooked[ _]at\b": "checked, examined",
 }
 
+# Columns, keys and variables that scripts use keep their names.
+KEPT = {"doc/specimen.md": {"rub"}, "tests/system/test_specimen_driver.py": {"rub", "rubbed"}, "tools/mpdem/specimen.py": {"rubbed"},
+        "tools/mpdem/specimen_figures.py": {"rubbed"}, "tools/mpdem/table.py": {"let_go"}}
+
 
 def files():
     names = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
@@ -49,7 +53,8 @@ def wrong_words(text):
 def test_the_words_are_those_of_the_glossary():
     names = files()
     assert len(names) > 300
-    found = [f"{name}:{number}: '{what}'; {instead}" for name in names for number, what, instead in wrong_words((ROOT / name).read_text())]
+    found = [f"{name}:{number}: '{what}'; {instead}" for name in names for number, what, instead in wrong_words((ROOT / name).read_text())
+             if what not in KEPT.get(name, ())]
     assert not found, f"{len(found)} in all\n" + "\n".join(found[:60])
 
 

@@ -87,8 +87,8 @@ TEST_P(Kinematic, PulledThroughFailure) {
     ++checked;
     const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped;
     test::expect_within(std::fabs(spent / work - 1.0), 1e-3, "energies against the work of the grains");
-    test::expect_within(std::fabs(t.external_work / work - 1.0), 1e-3, "work in the books against that of the grains");
-    test::expect_within(std::fabs(t.imbalance), 1e-3, "imbalance of the books");
+    test::expect_within(std::fabs(t.external_work / work - 1.0), 1e-3, "work in the energy balance against that of the grains");
+    test::expect_within(std::fabs(t.imbalance), 1e-3, "imbalance of the energy");
   }
   EXPECT_EQ(checked, 66);
   const CementTotals t = host.cement->report().totals(0.1);

@@ -211,7 +211,7 @@ TEST_P(Broken, CarriesCompressionAgain) {
     EXPECT_GT(t.frictional, frictional - 1e-9 * t.external_work);
     frictional = t.frictional;
     if (host.number < 300) continue;
-    test::expect_within(std::fabs(t.imbalance), 0.005, "imbalance of the books");
+    test::expect_within(std::fabs(t.imbalance), 0.005, "imbalance of the energy");
     const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.frictional;
     test::expect_within(std::fabs(spent / host.sum(host.work) - 1.0), 0.005, "energies against the work of the grains");
     if (host.number <= 1500) continue;
@@ -664,7 +664,7 @@ TEST(DebondedContact, KeepTheAreaOfTheLinks) {
         gone.push_back({m.tag, m.grain});
       }
       places_of(b).move(b.points, record, b.grid, s.ends_of(b), arrivals, gone);
-      ASSERT_NEAR(area(), whole, 1e-12 * whole) << (residue ? "skins, " : "") << n + 1 << " points failed";
+      ASSERT_NEAR(area(), whole, 1e-12 * whole) << (residue ? "residue, " : "") << n + 1 << " points failed";
     }
     EXPECT_GT(carried, 20);
   }

@@ -75,7 +75,7 @@ TEST(Engine, ForceAndEnergyAreThoseOfASpring) {
     const CementTotals t = host.cement->report().totals(0.1);
     EXPECT_NEAR((t.elastic + t.coupling) / (0.5 * host.tension(0) * stretch), 1.0, 0.01) << condense;
     EXPECT_NEAR(host.sum(host.work) / (0.5 * host.tension(0) * stretch), 1.0, 0.02) << condense;
-    test::expect_within(std::fabs(t.imbalance), 1e-3, "imbalance of the books");
+    test::expect_within(std::fabs(t.imbalance), 1e-3, "imbalance of the energy");
   }
 }
 
@@ -94,7 +94,7 @@ TEST(Engine, CondensedBondsCarryAFreeGrain) {
     for (const Grain& g : host.cement->grains().grains)
       if (g.tag == 2) mine = g.x[2] - (2 * test::kRadius + test::kGap);
     z[condensed] = host.sum(mine);
-    test::expect_within(std::fabs(host.cement->report().totals(0.1).imbalance), 1e-3, "imbalance of the books");
+    test::expect_within(std::fabs(host.cement->report().totals(0.1).imbalance), 1e-3, "imbalance of the energy");
     EXPECT_NEAR(host.tension(0) / host.tension(1), 1.0, 0.1) << condensed;
   }
   EXPECT_LT(std::fabs(z[1] - z[0]), 2e-3 * test::kGap * 1e-2);
@@ -134,7 +134,7 @@ TEST(Engine, ACondensedBondWakesBreaksAndIsCondensedAgain) {
     return t;
   };
   EXPECT_EQ(tags(host.all_failed()), tags(resolved.all_failed()));
-  test::expect_within(std::fabs(host.cement->report().totals(0.1).imbalance), 5e-3, "imbalance of the books");
+  test::expect_within(std::fabs(host.cement->report().totals(0.1).imbalance), 5e-3, "imbalance of the energy");
 }
 
 TEST(Engine, CondensedBondsRestartToTheBit) {
@@ -207,7 +207,7 @@ TEST(AddedMasses, OfStiffLinksKeepMomentum) {
   for (const Grain& g : host.cement->grains().grains) mine += g.mass * g.velocity[2];
   const double all = host.sum(mine) + t.momentum[2], start = 0.3 * r.grain_mass;
   test::expect_within(std::fabs(all / start - 1.0), 1e-9, "momentum of grains and cement");
-  test::expect_within(std::fabs(t.imbalance), 1e-5, "imbalance of the books");
+  test::expect_within(std::fabs(t.imbalance), 1e-5, "imbalance of the energy");
 }
 
 // Points of a layer across the bond have failed from the start: it is separated at the first check, through its middle.

@@ -90,7 +90,7 @@ double imbalance(const MazarsDamage& law, int steps) {
   const Matrix A = 3e-3 * random.sym(), B = 3e-3 * random.sym();
   MazarsDamage::State s{};
   Matrix before = Matrix::Zero(), stress = Matrix::Zero();
-  double work = 0.0, booked = 0.0;
+  double work = 0.0, counted = 0.0;
   for (int n = 1; n <= steps; ++n) {
     const double t = static_cast<double>(n) / steps;
     const Matrix strain = std::sin(5.0 * t) * t * A + std::sin(3.0 * t) * t * B;
@@ -98,13 +98,13 @@ double imbalance(const MazarsDamage& law, int steps) {
     EXPECT_FALSE(u.failed[0]);
     const Matrix now = test::tensor(u.stress, 0);
     work += 0.5 * test::contract(stress + now, strain - before);
-    booked += u.dissipated[0];
+    counted += u.dissipated[0];
     EXPECT_GE(u.dissipated[0], u.grown[0] ? -1e-12 * work : 0.0);
     before = strain;
     stress = now;
   }
-  EXPECT_GT(booked, 0.3 * work);
-  return (work - booked - 0.5 * test::contract(stress, before)) / work;
+  EXPECT_GT(counted, 0.3 * work);
+  return (work - counted - 0.5 * test::contract(stress, before)) / work;
 }
 
 TEST(Mazars, EnergyBalances) {

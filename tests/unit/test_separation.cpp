@@ -12,7 +12,7 @@
 namespace mpdem {
 namespace {
 
-using test::column, test::fail, test::make_skin, test::kFace, test::kHeight, test::kLinkArea, test::kWidth, test::level;
+using test::column, test::fail, test::make_residue, test::kFace, test::kHeight, test::kLinkArea, test::kWidth, test::level;
 
 TEST(Separation, IntactBond) {
   const std::vector<CrackPoint> points = column();
@@ -27,10 +27,10 @@ TEST(Separation, IntactBond) {
 TEST(Separation, SkinsOnAGrain) {
   for (int grain : {0, 1}) {
     const int layer = grain == 0 ? 0 : kHeight - 1;
-    const auto cut = [&](bool skin(const CrackPoint&)) {
+    const auto cut = [&](bool residue(const CrackPoint&)) {
       std::vector<CrackPoint> points = column();
       for (CrackPoint& p : points)
-        if (level(p) == layer) skin(p) ? make_skin(p) : fail(p);
+        if (level(p) == layer) residue(p) ? make_residue(p) : fail(p);
       return points;
     };
     constexpr double kAll = kWidth * kWidth;
@@ -38,11 +38,11 @@ TEST(Separation, SkinsOnAGrain) {
     EXPECT_NEAR(gone.at_grain[grain], kAll * kLinkArea, 1e-12);
     EXPECT_EQ(gone.inside, 0.0);
     const std::vector<CrackPoint> points = cut([](const CrackPoint&) { return true; });
-    const Separation skin = separate(points, kFace);
-    EXPECT_TRUE(skin.separated);
-    EXPECT_EQ(skin.at_grain[0] + skin.at_grain[1], 0.0);
-    EXPECT_NEAR(skin.inside, kAll, 1e-12);
-    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(skin.piece[i], (level(points[i]) == layer) == (grain == 1) ? 1 : 0) << i;
+    const Separation residue = separate(points, kFace);
+    EXPECT_TRUE(residue.separated);
+    EXPECT_EQ(residue.at_grain[0] + residue.at_grain[1], 0.0);
+    EXPECT_NEAR(residue.inside, kAll, 1e-12);
+    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(residue.piece[i], (level(points[i]) == layer) == (grain == 1) ? 1 : 0) << i;
     const Separation half = separate(cut([](const CrackPoint& p) { return p.cell[0] < 0; }), kFace);
     // points as near to residue as to what is intact above them count half
     EXPECT_NEAR(half.at_grain[grain], 0.5 * (kAll - kWidth) * kLinkArea, 1e-12);
@@ -57,7 +57,7 @@ TEST(Separation, SkinsOnBothGrains) {
   for (CrackPoint& p : points) {
     p.attached[0] = p.attached[1] = true;
     p.link_area[0] = p.link_area[1] = kLinkArea;
-    make_skin(p);
+    make_residue(p);
   }
   const Separation s = separate(points, kFace);
   EXPECT_TRUE(s.separated);
@@ -316,13 +316,13 @@ TEST(Separation, LoosePiecesBecomePartsAndCrumbsDoNot) {
 
   // a slab of fewer cells than count joins its neighbours
   points = column();
-  int crumb = 0;
+  int loose_points = 0;
   for (CrackPoint& p : points) {
     if (level(p) == 3 || level(p) == 6) fail(p);
     if ((level(p) == 4 || level(p) == 5) && p.cell[0] >= -1) fail(p);
-    crumb += (level(p) == 4 || level(p) == 5) && !p.failed;
+    loose_points += (level(p) == 4 || level(p) == 5) && !p.failed;
   }
-  ASSERT_LT(crumb, kLeastLoose);
+  ASSERT_LT(loose_points, kLeastLoose);
   s = separate(points, kFace);
   EXPECT_LE(*std::max_element(s.piece.begin(), s.piece.end()), 1);
 }

@@ -75,7 +75,7 @@ TEST_P(Divided, IsThatManySteps) {
   for (double CementTotals::*sum :
        {&CementTotals::kinetic, &CementTotals::elastic, &CementTotals::dissipated, &CementTotals::released, &CementTotals::external_work})
     EXPECT_NEAR(a.*sum, b.*sum, 1e-9 * b.external_work);
-  test::expect_within(std::fabs(a.imbalance), 1e-3, "imbalance of the books");
+  test::expect_within(std::fabs(a.imbalance), 1e-3, "imbalance of the energy");
 }
 
 INSTANTIATE_TEST_SUITE_P(Substeps, Divided,
@@ -200,7 +200,7 @@ TEST_P(FreePair, BooksBalance) {
     worst = std::max(worst, std::fabs(t.imbalance * t.external_work));
     most = std::max(most, t.external_work);
   }
-  test::expect_within(worst / most, 1e-6, "imbalance of the books");
+  test::expect_within(worst / most, 1e-6, "imbalance of the energy");
 }
 
 // Half of the points of a bond failed and are connected to nothing. The host has forces for long, and the other half carries them.
@@ -228,7 +228,7 @@ TEST(Substeps, FailedPointsAreNotPushed) {
     }
     t[divided] = host.cement->report().totals(0.1);
     EXPECT_EQ(t[divided].separated, 0.0);
-    test::expect_within(std::fabs(t[divided].imbalance), 1e-6, "imbalance of the books");
+    test::expect_within(std::fabs(t[divided].imbalance), 1e-6, "imbalance of the energy");
   }
   EXPECT_NEAR(t[1].external_work / t[0].external_work, 1.0, 2e-3);
   EXPECT_NEAR(t[1].kinetic / t[0].kinetic, 1.0, 0.05);
@@ -413,7 +413,7 @@ TEST(Substeps, PulledThroughFailure) {
     }
     const CementTotals t = host.cement->report().totals(0.1);
     EXPECT_EQ(t.separated, 1.0);
-    test::expect_within(std::fabs(t.imbalance), 2e-3, "imbalance of the books");
+    test::expect_within(std::fabs(t.imbalance), 2e-3, "imbalance of the energy");
     EXPECT_EQ(host.all_failed(), alone.all_failed());
     EXPECT_EQ(host.separated, alone.separated);
   }

@@ -3,8 +3,8 @@
 """A block of cement without damage, pulled off a flat grain whose links have a strength and an energy.
 
 The block hangs between two grains that are flat, as large as they are: by all of its face on grain 2, by a part of it on grain 1, so
-that grain 2 bears less and all of grain 1 lets go. The part is one end of the block, whose edge is a crack that runs, or every other
-point of the face: then all links of grain 1 go the same way. With nu = 0 and kt/kn = 1/2, which is G/E, block and links give way
+that grain 2 carries less and all of grain 1 debonds. The part is one end of the block, whose edge is a crack that runs, or every other
+point of the face: then all links of grain 1 go the same way. With nu = 0 and kt/kn = 1/2, which is G/E, block and links fail
 alike, and each link opens along the direction of the pull: with the angle a of it against the normal, of the energy the share of shear
 
   B = (kt/kn) sin^2 a/(cos^2 a + (kt/kn) sin^2 a),   and 1/G = (1 - B)/Gn + B/Gt.
@@ -58,7 +58,7 @@ def pulled_off(directory, cells, angle=0.0, Gn=4.0, Gt=4.0, strength=10e6, held=
     text += thermo(20, ["f_bond[17]", "f_cem[8]", "f_cem[11]", "f_cem[12]"]) + f"run {int(duration / dt)}\n"
     done = run(text, directory)
     t = done.table()
-    let_go = [line.split(",")[4] for line in (directory / "events.csv").read_text().splitlines()[1:]]
+    debonded = [line.split(",")[4] for line in (directory / "events.csv").read_text().splitlines()[1:]]
     area = part.sum() * s**2
-    return {"energy": t["f_cem[8]"][-1] / area, "of_first": let_go.count("1") / part.sum(), "of_second": let_go.count("2"),
+    return {"energy": t["f_cem[8]"][-1] / area, "of_first": debonded.count("1") / part.sum(), "of_second": debonded.count("2"),
             "imbalance": abs(t["f_cem[12]"][len(t["step"]) // 4:]).max(), "output": done.output}

@@ -58,7 +58,7 @@ def write_strip(file, spacing, cell, angle, off):
 
 def crack(directory, cells_a_length, angle=0.0, off=0, energy=None, cracks="split"):
     """energy: asked for; else that which B0 and the length imply.  Of this, damage spends a part. The rest is what the band stores when its middle
-    lets go, and runs off in waves."""
+    debonds, and runs off in waves."""
     cell, G = LENGTH / cells_a_length, energy or IMPLIED
     spacing, every = cell / 2, round(5 * cells_a_length)
     directory.mkdir(parents=True, exist_ok=True)

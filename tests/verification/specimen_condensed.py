@@ -6,7 +6,7 @@
 
 Runs tools/specimen.py with `condense no`, and compares with it: `condense yes`, other `wake`; and what tells the noise of a brittle specimen: `condense no`
 with half the step, and with a plate that is faster by a millionth and by a thousandth. For each it prints the largest difference of the stress, over the peak, up to
-the first bond, the peak and the tenth bond, and which of the first ten bonds are the same: of those that gave way, whose load fell below half of the
+the first bond, the peak and the tenth bond, and which of the first ten bonds are the same: of those that failed, whose load fell below half of the
 largest that they had as points failed; and of those that are separated, to which last bridges of a few points may belong long after. Goes on where it was stopped.
 """
 import argparse
@@ -58,17 +58,17 @@ def first_separated(bonds, curve):
     return first_bonds(bonds, curve, lambda row: row["separated"] > 0)
 
 
-def first_to_give_way(bonds, curve):
+def first_to_fail(bonds, curve):
     """The same of bonds whose load, while points have failed, is below half of the largest that they had."""
     largest = {}
 
-    def gave_way(row):
+    def failed(row):
         load = np.sqrt(sum(row[f"f{d}1"]**2 for d in "xyz"))
         for b, f in zip(row["bond"], load):
             largest[b] = max(largest.get(b, 0.0), f)
         return (row["failed"] > 0) & (load < 0.5 * np.array([largest[b] for b in row["bond"]]))
 
-    return first_bonds(bonds, curve, gave_way)
+    return first_bonds(bonds, curve, failed)
 
 
 def swaps(order, reference):
@@ -119,7 +119,7 @@ def main():
         folder = os.path.join(out, f"compression_{label}")
         curve = specimen.Curve(folder, "compression", 0.0)
         bonds = specimen.bonds_at(folder)
-        found[name] = {"gave way": (curve, first_to_give_way(bonds, curve)), "is separated": (curve, first_separated(bonds, curve))}
+        found[name] = {"failed": (curve, first_to_fail(bonds, curve)), "is separated": (curve, first_separated(bonds, curve))}
         for what in found[name] if name != "resolved" else ():
             told(name, what, found[name][what], found["resolved"][what])
     for name, lists in found.items():

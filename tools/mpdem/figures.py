@@ -12,7 +12,7 @@ from matplotlib.patches import Circle, Patch  # noqa: E402
 
 from . import run  # noqa: E402
 
-CURVE, FAILED, LET_GO, MARK = "#1b2a49", "#d98b4a", "#6aa69a", "#c1272d"
+CURVE, FAILED, DEBONDED, MARK = "#1b2a49", "#d98b4a", "#6aa69a", "#c1272d"
 GRAIN, GRAIN_EDGE = "#ececec", "#707070"
 BROKEN = "#e8172c"  # failed points; not a colour of the map
 MAP = "viridis"
@@ -59,7 +59,7 @@ def force_displacement(path, bond, result, stages):
         lowest = f" (mean ≥ {100 * result.lowest:.1f} % of the peak)" if np.isfinite(result.lowest) else ""
         handles += ax.plot([], [], " ", label="not separated" + lowest)
     handles += counts.plot(um, bond.failed, color=FAILED, lw=0.9, label="failed points")
-    handles += counts.plot(um, bond.debonded, color=LET_GO, lw=0.9, label="links let go")
+    handles += counts.plot(um, bond.debonded, color=DEBONDED, lw=0.9, label="links debonded")
 
     # Every value is inside: nothing of tension, compression, opening or closing is cut off.
     high = max(bond.tension.max(), peak, result.largest_force if sheared else 0.0, 0.0)

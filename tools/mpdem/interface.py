@@ -15,7 +15,7 @@ from matplotlib.patches import Circle, Patch
 from . import loading, run
 from .figures import GRAIN, GRAIN_EDGE, HALF_CUT, MAP, plt, save
 
-FREE, ATTACHED, KEPT, SKIN = "#9db4c8", "#c8553d", "#dddddd", "#4f9d69"
+FREE, ATTACHED, KEPT, RESIDUE = "#9db4c8", "#c8553d", "#dddddd", "#4f9d69"
 TIMES = "plasma"
 
 
@@ -63,7 +63,7 @@ def draw(args, out, bond, dumps, spacing):
         return written  # nothing failed
     events = loading.read_table(path)
     events = {c: np.asarray(v)[events["bond"] == bond.number] for c, v in events.items()}
-    at_grain = {g: ((events["grain"] == g) | skins(events, first, g)).sum() for g in bond.grains}
+    at_grain = {g: ((events["grain"] == g) | residue(events, first, g)).sum() for g in bond.grains}
     if not any(at_grain.values()):
         return written
     grain = args.grain or max(bond.grains, key=at_grain.get)
@@ -74,7 +74,7 @@ def draw(args, out, bond, dumps, spacing):
     return written + ["interface.png"]
 
 
-def skins(events, first, grain):
+def residue(events, first, grain):
     """Events of points that failed and stayed on the grain: a law of the interface of its own has them."""
     linked = first["id"][(first["c_attached"] > 0) & (first["c_grain"] == grain)].astype(int)
     return (events["grain"] == 0) & np.isin(events["point"].astype(int), linked)
@@ -138,12 +138,12 @@ def interface(path, bond, grain, first, last, events, radius, spacing):
     when = dict(zip(events["point"][mine].astype(int), events["time"][mine]))
     time = 1e6 * np.array([when.get(i, np.nan) for i in ids])
     gone = np.isfinite(time)
-    skin = np.isin(ids, events["point"][skins(events, first, grain)].astype(int)) & ~gone
+    residue = np.isin(ids, events["point"][residue(events, first, grain)].astype(int)) & ~gone
     half, wide = 0.58e3 * spacing, 1.06 * (np.hypot(x, y).max() + 1e3 * spacing)
     fig, axes = plt.subplots(1, 3, figsize=(9.4, 3.3), gridspec_kw={"width_ratios": [1, 1, 1.15]})
     panels = ((damage, plt.Normalize(0, 1), MAP, "largest damage (–)", "at the last dump"),
               (time, plt.Normalize(np.nanmin(time), max(np.nanmax(time), np.nanmin(time) + 1e-9)) if gone.any() else None, TIMES,
-               "time of letting go (µs)", f"{gone.sum()} of {len(ids)} points let go" + (f",\n{skin.sum()} stayed as a skin" if skin.any() else "")))
+               "time of debonding (µs)", f"{gone.sum()} of {len(ids)} points debonded" + (f",\n{residue.sum()} stayed as residue" if residue.any() else "")))
     for ax, (values, norm, colours, label, title) in zip(axes, panels):
         known = np.isfinite(values)
         ax.add_collection(PolyCollection(tiles(x[~known], y[~known], half), fc=KEPT, lw=0, antialiased=False))
@@ -155,14 +155,14 @@ def interface(path, bond, grain, first, last, events, radius, spacing):
         ax.set_xlabel("x (mm)")
         ax.set_ylabel("y (mm)", labelpad=0)
         ax.set_title(title, loc="left")
-        if values is time and skin.any():
-            ax.add_collection(PolyCollection(tiles(x[skin], y[skin], half), fc=SKIN, lw=0, antialiased=False))
+        if values is time and residue.any():
+            ax.add_collection(PolyCollection(tiles(x[residue], y[residue], half), fc=RESIDUE, lw=0, antialiased=False))
         bar = fig.colorbar(shown, ax=ax, orientation="horizontal", pad=0.18, fraction=0.05)
         bar.set_label(label)
     axes[0].set_title(f"grain {grain}, points attached at the start\ndamage at the last dump", loc="left")
     ax = axes[2]
     r = np.hypot(x, y)
-    ax.plot(time[gone], r[gone], "s", ms=1.6, color="0.25", mew=0, label="a point lets go")
+    ax.plot(time[gone], r[gone], "s", ms=1.6, color="0.25", mew=0, label="a point debonds")
     ax.axhspan(r.min(), r.max(), color="0.95", zorder=0, label="attached at the start")
     layers = np.arange(1, int(radius / spacing)) * spacing - 0.5 * bond.gap[0]
     layers = 1e3 * np.sqrt(np.maximum(2 * radius * layers - layers**2, 0.0))

@@ -101,7 +101,7 @@ def results(folder, radius=0.005, name="run", window=2e-6):
              mode=bond["mode"][-1], left=left, mode_ahead=mode_ahead,
              share_grain1=bond["share_grain1"][-1], share_grain2=bond["share_grain2"][-1],
              share_inside=1.0 - bond["share_grain1"][-1] - bond["share_grain2"][-1] if bond["mode"][-1] != "intact" else 0.0,
-             failed=int(bond["failed"][-1]), let_go=int(bond["debonded"][-1]), attached=int(bond["attached"][-1]),
+             failed=int(bond["failed"][-1]), links_debonded=int(bond["debonded"][-1]), attached=int(bond["attached"][-1]),
              dissipated=bond["dissipated_energy"][-1], imbalance=bond["energy_imbalance"][-1],
              steps=int(table["step"][-1]), duration=table["time"][-1])
     return r

@@ -33,7 +33,7 @@ class Result:
     lowest_opening: float
     window: float
     failed: int
-    let_go: int
+    links_debonded: int
     attached: int
     dissipated: float
     imbalance: float
@@ -151,7 +151,7 @@ def show(bond, r, results):
         line("load left", f"not known: the run ends at step {bond.step[-1]:.0f}, less than {r.window:g} steps after the peak"
              if r.peak > 0.0 else "never loaded")
     line("failed points", f"{r.failed} of {bond.points[-1]:.0f}")
-    line("links let go", f"{r.let_go} of {r.let_go + r.attached}")
+    line("links debonded", f"{r.links_debonded} of {r.links_debonded + r.attached}")
     line("links attached", f"{r.attached}")
     line("dissipated energy", f"{r.dissipated:.5g} J" + (" (all bonds)" if bonds > 1 else ""))
     line("energy imbalance at the end", f"{r.imbalance:.2g} of the work" + (" (all bonds)" if bonds > 1 else ""))
@@ -171,7 +171,7 @@ def write(path, bonds, results):
             for b in bonds:
                 r = results[b.number]
                 values = [r.peak, r.stiffness, r.peak_opening, "yes" if r.separated else "no", r.failure_opening, r.lowest,
-                          r.lowest_opening, int(b.points[-1]), r.failed, r.let_go, r.attached, r.dissipated,
+                          r.lowest_opening, int(b.points[-1]), r.failed, r.links_debonded, r.attached, r.dissipated,
                           r.imbalance, int(b.step[-1]), r.window, "tension" if r.sense > 0 else "compression", r.mode,
                           int(r.failure_step) if r.broken else "", r.shares[0], r.shares[1], r.largest_force]
                 out.writerow([b.number, *b.grains] + [f"{v:.8g}" if isinstance(v, float) else v for v in values])

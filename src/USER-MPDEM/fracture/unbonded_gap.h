@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Finds an unbonded gap (crevice) inside a bond. The cement of one grain may run close to that of the other without
+// Finds an unbonded gap inside a bond. The cement of one grain may run close to that of the other without
 // touching it, as coatings do beyond the ring in which they meet. Shared nodes would bridge this gap: the bond behaves
 // as if the ring were wider, 8 % too stiff with cells of 0.2 mm. A bond with such a gap has two sides, the material
 // nearer to the one grain and that nearer to the other. Nodes are split between the sides (phantom_nodes.h), except

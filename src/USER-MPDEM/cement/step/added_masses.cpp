@@ -53,11 +53,11 @@ void AddedMasses::follow_contacts(const std::vector<int>& moved) {
   sort_unique(mine);
   const std::vector<int> rows = scene_.agreed_rows(mine);
   if (rows.empty()) return;
-  take_up(rows, [] {});
+  renew(rows, [] {});
 }
 
 template <class Action>
-void AddedMasses::take_up(const std::vector<int>& rows, Action action) {
+void AddedMasses::renew(const std::vector<int>& rows, Action action) {
   std::vector<std::vector<AddedMass::Share>> before;
   for (int row : rows)
     if (const Bond* b = scene_.bonds().find(row)) before.push_back(b->added.shares());
@@ -83,7 +83,7 @@ bool AddedMasses::update_added_mass(Bond& b) const {
 }
 
 void AddedMasses::drop_debonded() {
-  take_up(scene_.all_rows(), [&] {
+  renew(scene_.all_rows(), [&] {
     for (Bond& b : scene_.bonds().resolved()) drop_debonded(b);
   });
 }

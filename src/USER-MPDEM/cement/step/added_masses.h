@@ -43,7 +43,7 @@ class AddedMasses {
   // Collective. Computes the added mass of these bonds again after `action`. Call it between
   // BondedGrains::clear_sudden_forces() and the drift.
   template <class Action>
-  void take_up(const std::vector<int>& rows, Action action);
+  void renew(const std::vector<int>& rows, Action action);
 
   Scene& scene_;
   StableStep& stable_step_;

@@ -20,7 +20,7 @@ using mpdem::text_of;
 void FixMpm::write_restart(FILE* fp) {
   if (cement_->restored() && !cement_->built() && cement_->rows_started() > 0)
     mpdem::stop_all(lmp, who() +
-                             "no run has taken up the motion of the nodes since read_restart, and a restart file that is written now would "
+                             "no run has read the motion of the nodes since read_restart, and a restart file that is written now would "
                              "lose it; use 'run 0' before write_restart");
   if (ranks_.shows_homes()) write_point_atoms();
   if (cement_->built())

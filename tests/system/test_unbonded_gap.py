@@ -54,7 +54,7 @@ def test_restart(one_rank, tmp_path, figures):
     assert p["c_failed"].sum() > 100 and not different, different
     for name, column in other.table().items():
         assert (one_rank.table()[name][-AFTER // EVERY - 1:] == column).all(), name
-    figures.note("shells askew, restart while points fail", f"{len(p)} columns equal to the bit")
+    figures.note("shells askew, restart while points fail", f"{len(p)} columns bitwise equal")
 
 
 def test_other_restart_edge(one_rank, tmp_path):
