@@ -45,7 +45,7 @@ inline void fail(CrackPoint& p) {
 }
 
 // Makes residue of a point: it has failed, but its link is intact.
-inline void make_skin(CrackPoint& p) { p.failed = true; }
+inline void make_residue(CrackPoint& p) { p.failed = true; }
 
 // A bond with the first and the second grain swapped.
 inline std::vector<CrackPoint> swapped(std::vector<CrackPoint> points) {
