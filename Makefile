@@ -36,6 +36,7 @@ demo: $(BUILD)/.setup
 # The benchmarks run in their short form. The tutorials of LIGGGHTS that a test runs come from its source.
 test: CMAKE_OPTIONS += -DMPDEM_BENCH=ON
 test: all
+	tools/setup.sh tests
 	tools/fetch_liggghts.sh $(BUILD) || echo "Without the source of LIGGGHTS the test of its tutorials is skipped"
 	cd $(BUILD) && ctest --output-on-failure --parallel $(JOBS)
 

@@ -25,9 +25,17 @@ from scenes import NEIGHBOURS, RADIUS, VTI, cement, edit, host, launch, pair, sh
 
 DEFAULT = "total/quadratic/none"
 # With a transfer in every step the stable step is smaller by sqrt(2).
-METHODS = {DEFAULT: 1.0, "total/cubic/none": 1.0, "total/linear/none": 1.0, "total/quadratic/apic": 0.7,
-           "total/quadratic/xpic2": 0.7, "updated/quadratic/flip": 0.7, "updated/quadratic/apic": 0.7,
-           "updated/quadratic/xpic2": 0.7, "updated/cubic/apic": 0.7}
+METHODS = {
+    DEFAULT: 1.0,
+    "total/cubic/none": 1.0,
+    "total/linear/none": 1.0,
+    "total/quadratic/apic": 0.7,
+    "total/quadratic/xpic2": 0.7,
+    "updated/quadratic/flip": 0.7,
+    "updated/quadratic/apic": 0.7,
+    "updated/quadratic/xpic2": 0.7,
+    "updated/cubic/apic": 0.7,
+}
 STIFFNESS_CELLS = (4e-4, 2.83e-4, 2e-4, 1.41e-4)
 PEAK_CELLS = (4e-4, 2.83e-4, 2e-4, 1.41e-4)
 PEAK_REFERENCE = 1e-4
@@ -58,8 +66,17 @@ def told_by_cement(run):
     """What fix mpm says of each run of a script: seconds, steps, points a second by CPU time, bytes a point, and the shares of
     its phases in per cent."""
     found = re.findall(r"fix mpm .*: (\S+) s in (\d+) steps, \S+ point steps per second, (\S+) by CPU time, (\S+) bytes a point\n +(.*)", run.output)
-    return [{"seconds": float(s), "steps": int(n), "points/s": float(rate), "bytes/point": float(b), "said": said,
-             "phases": {p: float(share) for p, share in re.findall(r"([a-z][a-z ]*) ([\d.e-]+) %", said)}} for s, n, rate, b, said in found]
+    return [
+        {
+            "seconds": float(s),
+            "steps": int(n),
+            "points/s": float(rate),
+            "bytes/point": float(b),
+            "said": said,
+            "phases": {p: float(share) for p, share in re.findall(r"([a-z][a-z ]*) ([\d.e-]+) %", said)},
+        }
+        for s, n, rate, b, said in found
+    ]
 
 
 def failure(run):
@@ -71,8 +88,13 @@ def grains_at(centres, low, high):
     """A box from corner to corner with equal grains of radius RADIUS in it."""
     box = " ".join(f"{a} {b}" for a, b in zip(low, high))
     atoms = "".join(f"create_atoms 1 single {x} {y} {z} units box\n" for x, y, z in centres)
-    return (host() + f"region box block {box} units box\ncreate_box 2 box\n" + atoms
-            + f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS)
+    return (
+        host()
+        + f"region box block {box} units box\ncreate_box 2 box\n"
+        + atoms
+        + f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n"
+        + NEIGHBOURS
+    )
 
 
 def stiffness(method, cell, directory):
@@ -80,9 +102,14 @@ def stiffness(method, cell, directory):
     timestep = 1e-8 * cell / 1e-4 * METHODS[method]
     text = cement(cell, timestep)
     text = edit(text, "elastic vti", words(method) + " elastic vti")
-    script = (pair(cell / 2, half_box=(6e-3, 6e-3, 12e-3)) + text + shift(distance, duration)
-              + f"run {round(duration / timestep)}\nunfix pull\nfix pull second move linear 0 0 0\n"
-              + thermo(1, ["f_bond"]) + f"run {round(4e-6 / timestep)}\n")
+    script = (
+        pair(cell / 2, half_box=(6e-3, 6e-3, 12e-3))
+        + text
+        + shift(distance, duration)
+        + f"run {round(duration / timestep)}\nunfix pull\nfix pull second move linear 0 0 0\n"
+        + thermo(1, ["f_bond"])
+        + f"run {round(4e-6 / timestep)}\n"
+    )
     run = launch(script, directory)
     stop = failure(run)
     if stop:
@@ -122,8 +149,7 @@ def peak(method, cell, directory):
 def measure(names, directory, quick, tell):
     """Rows (dicts) of the chosen names."""
     rows = []
-    groups = {"stiffness": (stiffness, STIFFNESS_CELLS[:2] if quick else STIFFNESS_CELLS),
-              "peak": (peak, PEAK_CELLS[:1] if quick else PEAK_CELLS)}
+    groups = {"stiffness": (stiffness, STIFFNESS_CELLS[:2] if quick else STIFFNESS_CELLS), "peak": (peak, PEAK_CELLS[:1] if quick else PEAK_CELLS)}
     exact = {}
     for name in names:
         group, _, method = name.partition("/")
@@ -132,14 +158,18 @@ def measure(names, directory, quick, tell):
             continue
         function, cells = groups[group]
         if group not in exact and group == "stiffness":
-            exact[group] = converged_axial_stiffness(RADIUS, 1e-3, 2e-3, 0.0, TransverselyIsotropic(*VTI),
-                                                     axis_uniform(0.0, 1.0)).value
+            exact[group] = converged_axial_stiffness(RADIUS, 1e-3, 2e-3, 0.0, TransverselyIsotropic(*VTI), axis_uniform(0.0, 1.0)).value
         if group not in exact:
             exact[group] = math.nan if quick else peak(DEFAULT, PEAK_REFERENCE, directory / "peak_reference")["value"]
         for cell in cells:
             before = cpu_seconds()
-            row = {"problem": group, "method": method, "cells": 1 / cell, "cell": cell,
-                   **function(method, cell, directory / f"{group}_{method.replace('/', '_')}_{cell:g}")}
+            row = {
+                "problem": group,
+                "method": method,
+                "cells": 1 / cell,
+                "cell": cell,
+                **function(method, cell, directory / f"{group}_{method.replace('/', '_')}_{cell:g}"),
+            }
             if not math.isnan(row["value"]):
                 row["seconds"] = cpu_seconds() - before
             row["error"] = abs(row["value"] / exact[group] - 1)
@@ -153,12 +183,10 @@ def ranks(directory, quick, tell):
     times = {1: [], 2: []}
     for turn in range(1 if quick else 5):
         for n in times:
-            run = example(directory / f"ranks_{n}_{turn}", parts=1 if quick else 2, scaled=False, ranks=n,
-                          cell=2e-4 if quick else 1e-4)
+            run = example(directory / f"ranks_{n}_{turn}", parts=1 if quick else 2, scaled=False, ranks=n, cell=2e-4 if quick else 1e-4)
             assert not failure(run), failure(run)
             times[n].append(loop_seconds(run))
     one, two = (statistics.median(times[n]) for n in times)
-    row = {"problem": "ranks", "method": "flat", "one": one, "two": two, "speedup": one / two,
-           "all": times, "load": os.getloadavg()[0]}
+    row = {"problem": "ranks", "method": "flat", "one": one, "two": two, "speedup": one / two, "all": times, "load": os.getloadavg()[0]}
     tell(row)
     return [row]

@@ -34,22 +34,28 @@ thermo {STEPS}
 
 
 def fixes():
-    return f"""
+    return (
+        f"""
 timestep 4e-8
 fix cem calcite mpm cell {CELL} elastic vti {" ".join(str(e) for e in CALCITE)} axis radial damage tensor B0 9.6e3 condense yes
 fix bond grains mpm/couple cem kn auto kt auto
-""" + RUN
+"""
+        + RUN
+    )
 
 
 def made(side, points):
     low, high = -1.1 * RADIUS, 2 * RADIUS * (side - 1) + 1.1 * RADIUS
     inner = 2 * RADIUS * (side - 0.5)
-    return (host() + f"region box block {low} {high} {low} {high} {low} {high} units box\ncreate_box 2 box\nlattice sc {2 * RADIUS}\n"
-            f"region beads block -{RADIUS} {inner} -{RADIUS} {inner} -{RADIUS} {inner} units box\ncreate_atoms 1 region beads\n"
-            f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
-            + f"shell sh mark.sh start\ncreate_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 inner auto spacing {CELL / 2} points {points}\n"
-            "shell sh mark.sh made\n" + fixes() + f'variable vx atom "0.01*z/{high}"\nvelocity grains set v_vx 0 0\n'
-            f"run {STEPS}\nshell sh mark.sh run\nwrite_restart packing.restart\nshell sh mark.sh written\n")
+    return (
+        host() + f"region box block {low} {high} {low} {high} {low} {high} units box\ncreate_box 2 box\nlattice sc {2 * RADIUS}\n"
+        f"region beads block -{RADIUS} {inner} -{RADIUS} {inner} -{RADIUS} {inner} units box\ncreate_atoms 1 region beads\n"
+        f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n"
+        + NEIGHBOURS
+        + f"shell sh mark.sh start\ncreate_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 inner auto spacing {CELL / 2} points {points}\n"
+        "shell sh mark.sh made\n" + fixes() + f'variable vx atom "0.01*z/{high}"\nvelocity grains set v_vx 0 0\n'
+        f"run {STEPS}\nshell sh mark.sh run\nwrite_restart packing.restart\nshell sh mark.sh written\n"
+    )
 
 
 def read():
@@ -81,15 +87,24 @@ def measure(names, directory, quick, tell):
         run = launch(made(SIDES[count], points), where, 1, minutes=30)
         assert run.status == 0 and not run.errors(), run.output[-2000:]
         bonds = int(re.search(r"condensed (\d+) of \d+ bonds", run.output)[1])
-        total, = (int(line.split()[2]) for line in run.output.splitlines() if re.fullmatch(rf" +{STEPS}( +\S+){{5}} *", line))
+        (total,) = (int(line.split()[2]) for line in run.output.splitlines() if re.fullmatch(rf" +{STEPS}( +\S+){{5}} *", line))
         first = marks(where)
         size = (where / "packing.restart").stat().st_size
         again = launch(read(), where, 1, name="in.read", minutes=30)
         assert again.status == 0 and not again.errors(), again.output[-2000:]
         second = marks(where)
         (where / "packing.restart").unlink()
-        row = {"condensed": points, "bonds": bonds, "steps": STEPS, "points": total, "MB": first["written"][1] / 1024, "bytes/bond": (first["written"][1] - first["start"][1]) * 1024 / bonds,
-               "bytes/bond, read": (second["read"][1] - first["start"][1]) * 1024 / bonds, "file bytes/bond": size / bonds, "load": os.getloadavg()[0]}
+        row = {
+            "condensed": points,
+            "bonds": bonds,
+            "steps": STEPS,
+            "points": total,
+            "MB": first["written"][1] / 1024,
+            "bytes/bond": (first["written"][1] - first["start"][1]) * 1024 / bonds,
+            "bytes/bond, read": (second["read"][1] - first["start"][1]) * 1024 / bonds,
+            "file bytes/bond": size / bonds,
+            "load": os.getloadavg()[0],
+        }
         before = "start"
         for mark in ("made", "run", "written"):
             row[mark] = first[mark][0] - first[before][0]

@@ -30,18 +30,26 @@ def measure(names, directory, quick, tell):
         spacing = SPACING * (1.5 if quick and shape != "coating" else 1)
         before = cpu_seconds()
         with open(script) as f:
-            run = launch(f.read(), folder, arguments=["-var", "shape", shape, "-var", "content", str(CONTENT[shape]),
-                                                      "-var", "spacing", f"{spacing:g}"])
+            run = launch(f.read(), folder, arguments=["-var", "shape", shape, "-var", "content", str(CONTENT[shape]), "-var", "spacing", f"{spacing:g}"])
         assert not failure(run), failure(run)
         seconds = cpu_seconds() - before
         result = dict(re.findall(r"(broken|mode|peak|steps) (\S+)", re.search(r"^RESULT .*", run.output, re.M)[0]))
         told = told_by_cement(run)
         points = int(re.search(r"(\d+) material points, \d+ bonds", run.output)[1])
         in_cement = sum(t["seconds"] for t in told)
-        rows.append({"fail": shape, "points": points, "steps": sum(t["steps"] for t in told), "seconds": seconds,
-                     "points/s": sum(t["steps"] for t in told) / sum(t["steps"] / t["points/s"] for t in told), "broken": float(result["broken"]) == 1.0,
-                     "mode": result["mode"], "peak": float(result["peak"]),
-                     "phases": {p: sum(t["seconds"] * t["phases"][p] for t in told) / in_cement for p in told[0]["phases"]},
-                     "load": os.getloadavg()[0]})
+        rows.append(
+            {
+                "fail": shape,
+                "points": points,
+                "steps": sum(t["steps"] for t in told),
+                "seconds": seconds,
+                "points/s": sum(t["steps"] for t in told) / sum(t["steps"] / t["points/s"] for t in told),
+                "broken": float(result["broken"]) == 1.0,
+                "mode": result["mode"],
+                "peak": float(result["peak"]),
+                "phases": {p: sum(t["seconds"] * t["phases"][p] for t in told) / in_cement for p in told[0]["phases"]},
+                "load": os.getloadavg()[0],
+            }
+        )
         tell(rows[-1])
     return rows

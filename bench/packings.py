@@ -23,8 +23,12 @@ def script(kinematics, quick):
     text = grains_at([[2 * RADIUS * k for k in (i % n, i // n % n, i // n**2)] for i in range(n**3)], (low,) * 3, (high,) * 3)
     text += f"create_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 inner auto spacing {CELL / 2}\n"
     text += edit(cement(CELL, 4e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3"), "elastic vti", f"kinematics {kinematics} elastic vti")
-    return (text + f'variable vx atom "0.01*z/{high}"\nvelocity grains set v_vx 0 0\nfix motion grains nve/sphere\n'
-            + "thermo_style custom step f_cem[2] f_cem[12]\nthermo 100\n" + f"run {20 if quick else 500}\n")
+    return (
+        text
+        + f'variable vx atom "0.01*z/{high}"\nvelocity grains set v_vx 0 0\nfix motion grains nve/sphere\n'
+        + "thermo_style custom step f_cem[2] f_cem[12]\nthermo 100\n"
+        + f"run {20 if quick else 500}\n"
+    )
 
 
 def measure(names, directory, quick, tell):
@@ -39,10 +43,22 @@ def measure(names, directory, quick, tell):
                 assert not failure(run), failure(run)
                 taken.append(loop_seconds(run))
                 if ranks == 1:
-                    said, = told_by_cement(run)
+                    (said,) = told_by_cement(run)
                     points, bonds = map(int, re.search(r"(\d+) material points, (\d+) bonds", run.output).groups())
         one, two = (statistics.median(t) for t in times.values())
-        rows.append({"packing": kinematics, "bonds": bonds, "points": points, "points/s": said["points/s"],
-                     "bytes/point": said["bytes/point"], "phases": said["said"], "one": one, "two": two, "speedup": one / two, "load": os.getloadavg()[0]})
+        rows.append(
+            {
+                "packing": kinematics,
+                "bonds": bonds,
+                "points": points,
+                "points/s": said["points/s"],
+                "bytes/point": said["bytes/point"],
+                "phases": said["said"],
+                "one": one,
+                "two": two,
+                "speedup": one / two,
+                "load": os.getloadavg()[0],
+            }
+        )
         tell(rows[-1])
     return rows

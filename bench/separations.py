@@ -20,8 +20,11 @@ PULLED, CELL, STEP = 24, 4e-4, 2e-8
 
 def script(bonds, columns, every, steps):
     across, deep, apart = 60, -(-bonds // 60), 2.2 * RADIUS
-    text = grains_at([(n % across * apart, n // across * apart, z) for n in range(bonds) for z in (-RADIUS, RADIUS)],
-                     (-RADIUS, -RADIUS, -4 * RADIUS), (across * apart, deep * apart, 4 * RADIUS))
+    text = grains_at(
+        [(n % across * apart, n // across * apart, z) for n in range(bonds) for z in (-RADIUS, RADIUS)],
+        (-RADIUS, -RADIUS, -4 * RADIUS),
+        (across * apart, deep * apart, 4 * RADIUS),
+    )
     text += f"create_cement calcite contacts grains gap 1e-6 shape flat inner 5e-4 outer 2e-3 film grid spacing {CELL / 2}\n"
     text += cement(CELL, STEP, elastic=CALCITE, damage="damage tensor B0 9.6e3")
     text = text.replace("damage tensor B0 9.6e3", "damage tensor B0 9.6e3 check 100000")
@@ -56,7 +59,14 @@ def measure(names, directory, quick, tell):
             n = 5 * (m - 1) + 1
             usual = statistics.median(cpu[k] - cpu[k - 1] for k in range(n - 10, n))
             above.append((cpu[n] - cpu[n - 1] - usual) / (separated[m] - separated[m - 1]))
-        rows.append({"bonds": bonds, "separations": int(separated[-1]), "seconds": statistics.median(above) if above else None,
-                     "step": statistics.median(cpu[k] - cpu[k - 1] for k in range(1, len(cpu))), "load": os.getloadavg()[0]})
+        rows.append(
+            {
+                "bonds": bonds,
+                "separations": int(separated[-1]),
+                "seconds": statistics.median(above) if above else None,
+                "step": statistics.median(cpu[k] - cpu[k - 1] for k in range(1, len(cpu))),
+                "load": os.getloadavg()[0],
+            }
+        )
         tell(rows[-1])
     return rows

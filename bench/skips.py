@@ -26,20 +26,25 @@ BONDS = 24
 
 def pulled(quick, B0):
     """A pair; with the B0 of calcite until long after its bond has failed."""
-    return (pair(CELL / 2) + cement(CELL, 1e-8, elastic=CALCITE, damage=f"damage tensor B0 {B0}")
-            + "fix hold first move linear 0 0 0\nfix pull second move linear 0 0 2\n"
-            + f"run {40 if quick else 4000}\n")
+    return (
+        pair(CELL / 2)
+        + cement(CELL, 1e-8, elastic=CALCITE, damage=f"damage tensor B0 {B0}")
+        + "fix hold first move linear 0 0 0\nfix pull second move linear 0 0 2\n"
+        + f"run {40 if quick else 4000}\n"
+    )
 
 
 def row_of_bonds(quick):
     cell, apart = 2 * CELL, 2.2 * RADIUS
-    text = grains_at([(n * apart, 0, z) for n in range(BONDS) for z in (-RADIUS, RADIUS)],
-                     (-RADIUS, -RADIUS, -3 * RADIUS), (BONDS * apart, RADIUS, 3 * RADIUS))
+    text = grains_at([(n * apart, 0, z) for n in range(BONDS) for z in (-RADIUS, RADIUS)], (-RADIUS, -RADIUS, -3 * RADIUS), (BONDS * apart, RADIUS, 3 * RADIUS))
     for n in range(BONDS):
         text += f"create_cement calcite pair {2 * n + 1} {2 * n + 2} shape flat {RING} film grid spacing {cell / 2}\n"
-    return (text + cement(cell, 2e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3")
-            + "group others subtract grains second\nfix hold others move linear 0 0 0\nfix pull second move linear 0 0 2\n"
-            + f"run {20 if quick else 1000}\n")
+    return (
+        text
+        + cement(cell, 2e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3")
+        + "group others subtract grains second\nfix hold others move linear 0 0 0\nfix pull second move linear 0 0 2\n"
+        + f"run {20 if quick else 1000}\n"
+    )
 
 
 def measure(names, directory, quick, tell):

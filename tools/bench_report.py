@@ -28,13 +28,34 @@ DEFAULT = "total/quadratic/none"
 # first order; xpic2 by the square of that, and with apic the affine part takes it back.
 EXPECTED = {"none": 2, "order2": 2, "flip": 2, "xpic2": 2, "pic": 1, "apic": 2}
 # What a diagram shows on its axis of errors, all relative.
-ERRORS = {"bar": "vibrating bar: error of the displacement (–)",
-          "thick-bar": "thick vibrating bar: error of the displacement (–)", "cube": "stretched cube: error of the displacement (–)",
-          "vortex": "vortex: error of the displacement (–)", "published-vortex": "published vortex: error of the displacement (–)",
-          "stiffness": "ring between beads: error of the stiffness (–)", "peak": "peak force: distance from the finest default (–)"}
+ERRORS = {
+    "bar": "vibrating bar: error of the displacement (–)",
+    "thick-bar": "thick vibrating bar: error of the displacement (–)",
+    "cube": "stretched cube: error of the displacement (–)",
+    "vortex": "vortex: error of the displacement (–)",
+    "published-vortex": "published vortex: error of the displacement (–)",
+    "stiffness": "ring between beads: error of the stiffness (–)",
+    "peak": "peak force: distance from the finest default (–)",
+}
 PROBLEMS = ("bar", "thick-bar", "cube", "vortex", "published-vortex")
-QUICK = ["law", "skip", "packing", "condensed", "fail", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
-         f"bar/{DEFAULT}", "bar/total/linear/none", "bar/total/quadratic/order2", f"cube/{DEFAULT}", f"vortex/{DEFAULT}", "vortex/updated/quadratic/apic"]
+QUICK = [
+    "law",
+    "skip",
+    "packing",
+    "condensed",
+    "fail",
+    "machine",
+    "scalar",
+    "step/total/quadratic/none",
+    "step/updated/quadratic/apic",
+    "size/10648",
+    f"bar/{DEFAULT}",
+    "bar/total/linear/none",
+    "bar/total/quadratic/order2",
+    f"cube/{DEFAULT}",
+    f"vortex/{DEFAULT}",
+    "vortex/updated/quadratic/apic",
+]
 
 
 def arguments():
@@ -65,14 +86,12 @@ def chosen(names, wanted):
     """Those that begin with one of `wanted`, by whole names between slashes."""
     for w in wanted:
         if not any((n + "/").startswith(w.rstrip("/") + "/") for n in names):
-            sys.exit(f"bench_report.py: unknown benchmark '{w}'; names, or the first parts of them, are\n  "
-                     + "\n  ".join(names))
+            sys.exit(f"bench_report.py: unknown benchmark '{w}'; names, or the first parts of them, are\n  " + "\n  ".join(names))
     return [n for n in names if any((n + "/").startswith(w.rstrip("/") + "/") for w in wanted)]
 
 
 def rates(program, names, quick):
-    found = json.loads(output(program, *(f"^{n}$" for n in names), "--benchmark_format=json",
-                              f"--benchmark_min_time={0.02 if quick else 0.4}"))["benchmarks"]
+    found = json.loads(output(program, *(f"^{n}$" for n in names), "--benchmark_format=json", f"--benchmark_min_time={0.02 if quick else 0.4}"))["benchmarks"]
     keep = ("points", "points/s", "bytes/point", "fill", "crossing", "growing", "flop/s", "bytes/s")
     # CPU time, so that what else runs on the machine counts little; `points/s` is by that already.
     return [{"name": b["name"], "ms": b["cpu_time"], **{k: b[k] for k in keep if k in b}} for b in found]
@@ -101,6 +120,7 @@ def curves(rows, problem):
 def order(curve):
     """Slope of the error over the three finest cells, nan where the run broke down."""
     import numpy as np
+
     e = [(math.log(r["cells"]), math.log(r["error"])) for r in curve[-3:] if r["error"] > 0]
     return -np.polyfit(*zip(*e), 1)[0] if len(e) >= 2 and len(e) == len(curve[-3:]) else math.nan
 
@@ -108,15 +128,18 @@ def order(curve):
 def better(rows, problem):
     """For each cell of the default: the methods that are as accurate in less time, by a tenth."""
     c = curves(rows, problem)
-    return [(r["cells"], sorted({m for m, other in c.items() for o in other
-                                 if m != DEFAULT and o["error"] <= r["error"] and o["seconds"] < 0.9 * r["seconds"]}))
-            for r in c.get(DEFAULT, [])]
+    return [
+        (r["cells"], sorted({m for m, other in c.items() for o in other if m != DEFAULT and o["error"] <= r["error"] and o["seconds"] < 0.9 * r["seconds"]}))
+        for r in c.get(DEFAULT, [])
+    ]
 
 
 def diagram(rows, problem, file):
     import matplotlib
+
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+
     colours = {"none": "black", "order2": "tab:purple", "pic": "tab:red", "flip": "tab:green", "apic": "tab:blue", "xpic2": "tab:orange"}
     transfers = {"none": "no transfer", "order2": "no transfer,\nmass of order 2", "pic": "PIC", "flip": "FLIP", "apic": "APIC", "xpic2": "XPIC of order 2"}
     references = {"total": "reference kept", "updated": "reference updated"}
@@ -130,13 +153,26 @@ def diagram(rows, problem, file):
             kinematics, own_basis, transfer = method.split("/")
             if own_basis != basis or method == DEFAULT:
                 continue
-            ax.loglog([r["seconds"] for r in curve], [r["error"] for r in curve], color=colours[transfer], lw=1.1, ms=4,
-                      marker="o" if kinematics == "total" else "x", ls="-" if kinematics == "total" else "--",
-                      label=f"{references[kinematics]},\n{transfers[transfer]}")
+            ax.loglog(
+                [r["seconds"] for r in curve],
+                [r["error"] for r in curve],
+                color=colours[transfer],
+                lw=1.1,
+                ms=4,
+                marker="o" if kinematics == "total" else "x",
+                ls="-" if kinematics == "total" else "--",
+                label=f"{references[kinematics]},\n{transfers[transfer]}",
+            )
         if DEFAULT in every:
             curve = every[DEFAULT]
-            ax.loglog([r["seconds"] for r in curve], [r["error"] for r in curve], color="black", lw=3, alpha=0.55,
-                      label="default: quadratic\nB-splines, reference\nkept, no transfer")
+            ax.loglog(
+                [r["seconds"] for r in curve],
+                [r["error"] for r in curve],
+                color="black",
+                lw=3,
+                alpha=0.55,
+                label="default: quadratic\nB-splines, reference\nkept, no transfer",
+            )
         ax.set_xlabel("CPU time on one core (s)")
     axes[0].set_ylabel(ERRORS[problem])
     named = {line.get_label(): line for ax in axes for line in ax.lines}
@@ -148,8 +184,10 @@ def diagram(rows, problem, file):
 
 def size_diagram(found, file):
     import matplotlib
+
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+
     sizes = sorted((r["points"], 1e9 / r["points/s"]) for r in found if r["name"].startswith("size/"))
     fig, ax = plt.subplots(figsize=(5, 3.2))
     ax.semilogx(*zip(*sizes), "ko-")
@@ -167,15 +205,24 @@ def report(result):
         lines += ["", f"{'benchmark':48} {'M points/s':>10} {'B/point':>8} {'fill':>5} {'growing':>8}"]
     for r in result["rates"]:
         if "points/s" in r:
-            lines.append(f"{r['name']:48} {r['points/s'] / 1e6:10.2f} {r.get('bytes/point', math.nan):8.0f} "
-                         f"{r.get('fill', math.nan):5.2f} {r.get('growing', math.nan):8.3f}")
+            lines.append(
+                f"{r['name']:48} {r['points/s'] / 1e6:10.2f} {r.get('bytes/point', math.nan):8.0f} "
+                f"{r.get('fill', math.nan):5.2f} {r.get('growing', math.nan):8.3f}"
+            )
     step = machine.get(f"step/{DEFAULT}/elastic")
     if step and "machine/triad" in machine and "machine/multiply_add" in machine:
-        lines += ["", "one core: triad {:.1f} GB/s, multiply-add {:.1f} Gflop/s; the step moves {:.1f} GB/s ({:.0%}) "
-                  "and computes {:.1f} Gflop/s ({:.0%})".format(
-                      machine["machine/triad"]["bytes/s"] / 1e9, machine["machine/multiply_add"]["flop/s"] / 1e9,
-                      step["bytes/s"] / 1e9, step["bytes/s"] / machine["machine/triad"]["bytes/s"],
-                      step["flop/s"] / 1e9, step["flop/s"] / machine["machine/multiply_add"]["flop/s"])]
+        lines += [
+            "",
+            "one core: triad {:.1f} GB/s, multiply-add {:.1f} Gflop/s; the step moves {:.1f} GB/s ({:.0%}) "
+            "and computes {:.1f} Gflop/s ({:.0%})".format(
+                machine["machine/triad"]["bytes/s"] / 1e9,
+                machine["machine/multiply_add"]["flop/s"] / 1e9,
+                step["bytes/s"] / 1e9,
+                step["bytes/s"] / machine["machine/triad"]["bytes/s"],
+                step["flop/s"] / 1e9,
+                step["flop/s"] / machine["machine/multiply_add"]["flop/s"],
+            ),
+        ]
     scalar = machine.get(f"scalar/{DEFAULT}/elastic")
     if step and scalar:
         lines.append(f"the step is {step['points/s'] / scalar['points/s']:.1f} times as fast as the scalar kernel")
@@ -185,8 +232,7 @@ def report(result):
             continue
         lines += ["", f"{problem:34} {'expected':>8} {'order':>6} {'finest':>10} {'seconds':>8}"]
         for method, curve in c.items():
-            lines.append(f"  {method:32} {EXPECTED[method.split('/')[-1]]:8} {order(curve):6.2f} "
-                         f"{curve[-1]['error']:10.2e} {curve[-1]['seconds']:8.3f}")
+            lines.append(f"  {method:32} {EXPECTED[method.split('/')[-1]]:8} {order(curve):6.2f} " f"{curve[-1]['error']:10.2e} {curve[-1]['seconds']:8.3f}")
         for cells, methods in better(result["accuracy"], problem):
             lines.append(f"  as accurate as the default with {cells:.5g} cells in less time: {', '.join(methods) or 'none'}")
     for r in result["accuracy"]:
@@ -194,23 +240,35 @@ def report(result):
             lines.append(f"\none rank {r['one']:.2f} s, two ranks {r['two']:.2f} s: {r['speedup']:.2f} times as fast")
     for name in dict.fromkeys(r["law"] for r in result["law"]):
         lines += ["", f"{name:34} {'evaluations':>11} {'ns':>6} {'D':>9} {'9 of 10':>9} {'stress':>9} {'9 of 10':>9} {'energy':>9} {'9 of 10':>9}"]
-        lines += [f"  step {r['step']:<27g} {r['evaluations']:11.1f} {r['ns']:6.0f} {r['D']:9.1e} {r['D_90']:9.1e} {r['stress']:9.1e} "
-                  f"{r['stress_90']:9.1e} {r['energy']:9.1e} {r['energy_90']:9.1e}" for r in result["law"] if r["law"] == name]
+        lines += [
+            f"  step {r['step']:<27g} {r['evaluations']:11.1f} {r['ns']:6.0f} {r['D']:9.1e} {r['D_90']:9.1e} {r['stress']:9.1e} "
+            f"{r['stress_90']:9.1e} {r['energy']:9.1e} {r['energy_90']:9.1e}"
+            for r in result["law"]
+            if r["law"] == name
+        ]
     for r in result["packings"]:
-        lines.append(f"\npacking {r['packing']}: {r['bonds']} bonds, {r['points']} points, {r['points/s'] / 1e6:.2f} M points/s, "
-                     f"{r['bytes/point']:.0f} B/point, two ranks {r['speedup']:.2f} times as fast\n  {r['phases']}")
+        lines.append(
+            f"\npacking {r['packing']}: {r['bonds']} bonds, {r['points']} points, {r['points/s'] / 1e6:.2f} M points/s, "
+            f"{r['bytes/point']:.0f} B/point, two ranks {r['speedup']:.2f} times as fast\n  {r['phases']}"
+        )
     for r in result["failures"]:
-        lines.append(f"\npulled to failure, {r['fail']}: {r['seconds']:.1f} s of CPU, {r['points']} points, {r['steps']} steps, "
-                     f"{r['points/s'] / 1e6:.2f} M points/s, {r['mode']}, peak {r['peak']:.4g} N\n  "
-                     + ", ".join(f"{p} {share:.0f} %" for p, share in r["phases"].items()))
+        lines.append(
+            f"\npulled to failure, {r['fail']}: {r['seconds']:.1f} s of CPU, {r['points']} points, {r['steps']} steps, "
+            f"{r['points/s'] / 1e6:.2f} M points/s, {r['mode']}, peak {r['peak']:.4g} N\n  "
+            + ", ".join(f"{p} {share:.0f} %" for p, share in r["phases"].items())
+        )
     for r in result["separations"]:
         if r["seconds"] is not None:
             lines.append(f"\na bond of {r['bonds']} comes apart: {1e3 * r['seconds']:.2f} ms of CPU above a step, median of {r['separations']}")
     for r in result["condensed"]:
-        lines.append(f"\n{r['bonds']} condensed bonds, points {r['condensed']} ({r['points']}): {r['bytes/bond']:.0f} B/bond made and run, {r['bytes/bond, read']:.0f} read, "
-                     f"{r['file bytes/bond']:.0f} in the file; s of CPU: made {r['made']:.2f}, {r['steps']} steps {r['run']:.2f}, written {r['written']:.2f}, read {r['read']:.2f}")
+        lines.append(
+            f"\n{r['bonds']} condensed bonds, points {r['condensed']} ({r['points']}): {r['bytes/bond']:.0f} B/bond made and run, {r['bytes/bond, read']:.0f} read, "
+            f"{r['file bytes/bond']:.0f} in the file; s of CPU: made {r['made']:.2f}, {r['steps']} steps {r['run']:.2f}, written {r['written']:.2f}, read {r['read']:.2f}"
+        )
     for r in result["skips"]:
-        lines.append(f"\nskip {r['skip']:10} in skip/{r['scene']}: {r['seconds']:.2f} s, without {r['without']:.2f} s: {r['without'] / r['seconds']:.2f} times as fast")
+        lines.append(
+            f"\nskip {r['skip']:10} in skip/{r['scene']}: {r['seconds']:.2f} s, without {r['without']:.2f} s: {r['without'] / r['seconds']:.2f} times as fast"
+        )
     return "\n".join(lines)
 
 
@@ -244,10 +302,18 @@ def main():
     import packings
     import separations
     import skips
-    names = {"rates": output(step, "--benchmark_list_tests").split(), "accuracy": output(precise, "--list").split(),
-             "law": output(damage, "--list").split(),
-             "bonds": bonds.NAMES, "skips": skips.NAMES, "packings": packings.NAMES, "failures": failures.NAMES,
-             "separations": separations.NAMES, "condensed": condensed.NAMES}
+
+    names = {
+        "rates": output(step, "--benchmark_list_tests").split(),
+        "accuracy": output(precise, "--list").split(),
+        "law": output(damage, "--list").split(),
+        "bonds": bonds.NAMES,
+        "skips": skips.NAMES,
+        "packings": packings.NAMES,
+        "failures": failures.NAMES,
+        "separations": separations.NAMES,
+        "condensed": condensed.NAMES,
+    }
     every = [n for group in names.values() for n in group]
     wanted = args.names or (QUICK if args.quick else sorted({n.split("/")[0] for n in every}))
     picked = set(chosen(every, wanted))
@@ -257,8 +323,18 @@ def main():
         return
     out = args.out or args.build / "bench" / "results"
     out.mkdir(parents=True, exist_ok=True)
-    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "law": [], "skips": [], "packings": [], "failures": [],
-              "separations": [], "condensed": []}
+    result = {
+        "load": os.getloadavg()[0],
+        "quick": args.quick,
+        "rates": [],
+        "accuracy": [],
+        "law": [],
+        "skips": [],
+        "packings": [],
+        "failures": [],
+        "separations": [],
+        "condensed": [],
+    }
     if names["rates"]:
         tell(f"{len(names['rates'])} rates ...")
         result["rates"] = rates(step, names["rates"], args.quick)

@@ -49,9 +49,11 @@ def apply(patch, folder):
 
 def copy_tree(root, folder, left_out):
     """The files of a tree without builds and what git keeps."""
+
     def ignored(directory, names):
         here = Path(directory)
         return [n for n in names if n in (".git", "__pycache__") or here == root and n.startswith("build") or here / n == left_out]
+
     shutil.copytree(root, folder, ignore=ignored)
 
 
@@ -103,8 +105,12 @@ def main():
         set_up.append("-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON")
     call("set-up", set_up, stdout=subprocess.DEVNULL)
     call("build", ["cmake", "--build", tree / "build", "--parallel", str(args.jobs), "--target", "liggghts-mpdem"], stdout=subprocess.DEVNULL)
-    call("tests", [sys.executable, "-B", "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--basetemp={tree / 'build' / 'tests'}", *tests, *RULES],
-         cwd=tree / "tests" / "system", env={**os.environ, "MPDEM_EXE": str(tree / "build" / "liggghts-mpdem")})
+    call(
+        "tests",
+        [sys.executable, "-B", "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--basetemp={tree / 'build' / 'tests'}", *tests, *RULES],
+        cwd=tree / "tests" / "system",
+        env={**os.environ, "MPDEM_EXE": str(tree / "build" / "liggghts-mpdem")},
+    )
     print(f"check_changes.py: {', '.join(patch.stem for patch in patches)} fit, build and pass")
 
 

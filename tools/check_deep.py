@@ -44,7 +44,9 @@ def pieces(root, build, jobs):
 
 def state(root, pages):
     """A number of what the files hold that git knows or would add. The page that a piece itself writes is left out."""
-    names = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=root, capture_output=True, check=True).stdout.split(b"\0")
+    names = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=root, capture_output=True, check=True).stdout.split(
+        b"\0"
+    )
     sums = hashlib.sha256()
     for name in sorted(set(filter(None, names))):
         path = root / os.fsdecode(name)
@@ -58,8 +60,16 @@ def passes(command, root, output):
     ends = {signal.SIGINT, signal.SIGTERM}
     with open(output, "wb") as out:
         signal.pthread_sigmask(signal.SIG_BLOCK, ends)
-        process = subprocess.Popen(command, shell=True, cwd=root, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, start_new_session=True,
-                                   preexec_fn=lambda: signal.pthread_sigmask(signal.SIG_UNBLOCK, ends))
+        process = subprocess.Popen(
+            command,
+            shell=True,
+            cwd=root,
+            stdout=out,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,
+            preexec_fn=lambda: signal.pthread_sigmask(signal.SIG_UNBLOCK, ends),
+        )
         try:
             signal.pthread_sigmask(signal.SIG_UNBLOCK, ends)
             return process.wait() == 0
@@ -89,8 +99,11 @@ def check(root, folder, wanted):
             print(f"{name}: files changed while it ran; run it again", flush=True)
         elif not passed:
             print("\n".join(output.read_text(errors="replace").splitlines()[-30:]), flush=True)
-        print(f"{name}: {'passed' if passed else 'FAILED'} after {minutes:.1f} minutes{', longer than a piece is to take' if minutes > MINUTES else ''}; "
-              f"output in {output}", flush=True)
+        print(
+            f"{name}: {'passed' if passed else 'FAILED'} after {minutes:.1f} minutes{', longer than a piece is to take' if minutes > MINUTES else ''}; "
+            f"output in {output}",
+            flush=True,
+        )
         if passed:
             stamp.write_text(now)
         else:

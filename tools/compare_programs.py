@@ -118,11 +118,13 @@ def read(path):
 
 def column(rows, n):
     """Numbers of a column; NaN where there is a text."""
+
     def value(word):
         try:
             return float(word)
         except ValueError:
             return float("nan")
+
     return np.array([value(row[n]) for row in rows])
 
 

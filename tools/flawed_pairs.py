@@ -22,8 +22,10 @@ sys.dont_write_bytecode = True  # leave the source tree as it is
 try:
     from mpdem import flaws, run, runner, table
 except ImportError as missing:
-    sys.exit(f"flawed_pairs.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
-             "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script")
+    sys.exit(
+        f"flawed_pairs.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
+        "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
+    )
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 COLUMNS = ("flaw", "amount", "seed", "load", "peak", "mode", "share_beads", "broken", "imbalance", "points", "steps", "wall")
@@ -71,8 +73,12 @@ def make_points(args):
     key = f"{args.content:g}_{args.coarse:g}"
     solid = f"solid_{key}.txt"
     if not os.path.exists(os.path.join(folder, solid)):
-        command = runner.command(os.path.abspath(args.exe), os.path.join(ROOT, "examples", "flawed_pair", "in.solid"), 1,
-                                 {"content": f"{args.content:g}", "spacing": f"{args.coarse:g}", "out": solid + ".tmp"})
+        command = runner.command(
+            os.path.abspath(args.exe),
+            os.path.join(ROOT, "examples", "flawed_pair", "in.solid"),
+            1,
+            {"content": f"{args.content:g}", "spacing": f"{args.coarse:g}", "out": solid + ".tmp"},
+        )
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
         if done.returncode or "RESULT" not in done.stdout:
             trouble = [line for line in done.stdout.splitlines() if line.startswith("ERROR")]
@@ -91,8 +97,12 @@ def make_points(args):
 
 
 def pair(args, kind, name, load):
-    extra = {"points": f"../points/{name}", "coarse": f"{args.coarse:g}", "cracks": "split",
-             "regularization": f"nonlocal {2 * args.coarse:g} energy {10.6 * args.coarse / 1e-4:g}"}
+    extra = {
+        "points": f"../points/{name}",
+        "coarse": f"{args.coarse:g}",
+        "cracks": "split",
+        "regularization": f"nonlocal {2 * args.coarse:g} energy {10.6 * args.coarse / 1e-4:g}",
+    }
     if kind == "contact":
         extra["bonding"] = args.bonding
     return table.Run("file", load, args.content, extra, os.path.join(ROOT, "examples", "pair_table", "in.pair_table"))
@@ -122,6 +132,7 @@ def read(path):
 
 def draw(path, rows):
     from mpdem.figures import plt, save
+
     kinds = [k for k in flaws.KINDS if any(r["flaw"] == k for r in rows)]
     fig, axes = plt.subplots(1, len(kinds), figsize=(3.0 * len(kinds) + 0.4, 3.2), squeeze=False, sharey=True)
     for ax, kind in zip(axes[0], kinds):
@@ -163,8 +174,17 @@ def main():
     for (kind, amount, seed, load), of_pair in pairs.items():
         results = runner.finished(os.path.abspath(args.out), of_pair)
         if results is not None:
-            rows.append({**results, "flaw": kind, "amount": amount, "seed": seed, "load": load, "share_beads": results["share_grain1"] + results["share_grain2"],
-                         "broken": "yes" if results["broken"] else "no"})
+            rows.append(
+                {
+                    **results,
+                    "flaw": kind,
+                    "amount": amount,
+                    "seed": seed,
+                    "load": load,
+                    "share_beads": results["share_grain1"] + results["share_grain2"],
+                    "broken": "yes" if results["broken"] else "no",
+                }
+            )
     write(os.path.join(args.out, "flaws.csv"), rows)
     names = ["flaws.csv"]
     if rows:

@@ -25,8 +25,10 @@ sys.dont_write_bytecode = True  # leave the source tree as it is
 try:
     from mpdem import figures, interface, run, summary
 except ImportError as missing:
-    sys.exit(f"mpdem_plot.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
-             "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script")
+    sys.exit(
+        f"mpdem_plot.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
+        "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
+    )
 
 
 def positive(text):
@@ -40,17 +42,19 @@ def arguments():
     p = argparse.ArgumentParser(description="Summary and figures of loaded bonds.")
     p.add_argument("run_dir", metavar="RUN_DIR", help="folder of the run's output")
     p.add_argument("--bond", metavar="CSV", help="table of fix mpm/couple (default: the only bond.csv or bond_*.csv in RUN_DIR)")
-    p.add_argument("--points", metavar="DUMP", nargs="+",
-                   help="dumps of the points, names or a pattern (default: points_NAME.*.txt, "
-                        "NAME as in bond_NAME.csv); 'none': no cut")
+    p.add_argument(
+        "--points",
+        metavar="DUMP",
+        nargs="+",
+        help="dumps of the points, names or a pattern (default: points_NAME.*.txt, " "NAME as in bond_NAME.csv); 'none': no cut",
+    )
     p.add_argument("--events", metavar="CSV", help="event log of fix mpm (default: events_NAME.csv, if it is there)")
     p.add_argument("--grain", metavar="ID", type=int, help="grain whose interface is drawn (default: where most links debonded)")
     p.add_argument("--out", metavar="DIR", help="where to write (default: RUN_DIR)")
     p.add_argument("--which", metavar="N", type=int, help="number of the bond to plot (default: the first)")
     p.add_argument("--radius", metavar="R", type=positive, default=0.005, help="of the two grains, m (0.005)")
     p.add_argument("--spacing", metavar="H", type=positive, help="of the material points, m (default: measured)")
-    p.add_argument("--window", metavar="STEPS", type=positive,
-                   help="over which the load that is left is averaged (500, or as the script of pair_table)")
+    p.add_argument("--window", metavar="STEPS", type=positive, help="over which the load that is left is averaged (500, or as the script of pair_table)")
     return p.parse_args()
 
 
@@ -69,8 +73,7 @@ def main():
     summary.write(os.path.join(out, "summary.csv"), bonds, results)
     written = ["summary.csv"]
     if not result.peak > 0.0:
-        raise run.Trouble(f"{table.path}: bond {table.number} was never loaded, nothing to draw; "
-                          "move its grains or choose another bond with --which")
+        raise run.Trouble(f"{table.path}: bond {table.number} was never loaded, nothing to draw; " "move its grains or choose another bond with --which")
 
     # The curve is drawn even if something is wrong with the dumps; the complaint comes last.
     stages, trouble = [], None

@@ -31,13 +31,33 @@ from pathlib import Path
 
 # Name, patterns of code that ask for it, files that are its own. The split of restart_seal.cpp is that of a file.
 OPTIONS = [
-    ("split", r"\bsplit_?\b(?!\()|\bsplits\b(?=\s*(?:&&|\|\||\?|\)))|\bshares_failed_mass\(", "node_splitting.* split_nodes.* phantom_nodes.* node_splitter.* node_volumes.* node_aliases.* restart_seal.*"),
-    ("updated, transfers, reprojects", r"\bupdated\b(?!\.)|\b(?:transfers|reprojects)\(|\breproject_(?:every|distortion)\b", "updated.* advance_updated.* reproject.*"),
+    (
+        "split",
+        r"\bsplit_?\b(?!\()|\bsplits\b(?=\s*(?:&&|\|\||\?|\)))|\bshares_failed_mass\(",
+        "node_splitting.* split_nodes.* phantom_nodes.* node_splitter.* node_volumes.* node_aliases.* restart_seal.*",
+    ),
+    (
+        "updated, transfers, reprojects",
+        r"\bupdated\b(?!\.)|\b(?:transfers|reprojects)\(|\breproject_(?:every|distortion)\b",
+        "updated.* advance_updated.* reproject.*",
+    ),
     ("condense", r"\bcondense\b(?!\()|\bword_against_patterns\(|\bmay_leave_points_out\(", "condensing.* condensed_*.* activation.*"),
-    ("is_resolved, condensed", r"\b(?:is_)?resolved(?:_slots)?\(|\bcondensed(?:_\.(?:has|any|any_shared|is)\(|\b(?!\())", "condensing.* condensed_*.* activation.* bond.h bond.cpp"),
+    (
+        "is_resolved, condensed",
+        r"\b(?:is_)?resolved(?:_slots)?\(|\bcondensed(?:_\.(?:has|any|any_shared|is)\(|\b(?!\())",
+        "condensing.* condensed_*.* activation.* bond.h bond.cpp",
+    ),
     ("unilateral", r"\bunilateral\b|\bclosing\.empty\(|\bfailed_as_undamaged\b", "closing_points.*"),
-    ("nonlocal", r"\bnonlocal_?\b(?!\()|\bhalf_band\b|\bnear_threshold\b|\bo(?:ptions)?\.(?:length|imperfection)\b|\bcrack_band\(", "nonlocal.* drive_average.* field_drive.* imperfection.* localisation.*"),
-    ("friction", r"\b(?:faces_)?touches\(\)|\bfriction_?\b|\b(?:contacts?|faces)\.empty\(", "debonded_contact.* contact_remapping.* crack_faces.* closing_points.*"),
+    (
+        "nonlocal",
+        r"\bnonlocal_?\b(?!\()|\bhalf_band\b|\bnear_threshold\b|\bo(?:ptions)?\.(?:length|imperfection)\b|\bcrack_band\(",
+        "nonlocal.* drive_average.* field_drive.* imperfection.* localisation.*",
+    ),
+    (
+        "friction",
+        r"\b(?:faces_)?touches\(\)|\bfriction_?\b|\b(?:contacts?|faces)\.empty\(",
+        "debonded_contact.* contact_remapping.* crack_faces.* closing_points.*",
+    ),
     ("leaves_residue", r"\bleaves_residue\(|\bresidue_?\b|\bis_residue\b|\bkLeavesResidue\b", "cohesive_traction.* traction_law.h"),
     ("substeps", r"\bsubsteps\b(?:\(\))?|\b(?:begins|ends)_step\(|\bsubcycle\b|\bsubstep\b|\bLoads::spread\b", "substeps.* spread_loads.* shared_impulse.*"),
     ("mass_order", r"\bmass_order\b|\bstability_bound\(", "consistent_mass.*"),
@@ -45,7 +65,11 @@ OPTIONS = [
     ("relax", r"\brelax\b|\bmass_scale\b", "relative_damping.*"),
     ("point_template", r"\bpoint_template\b|\bhas_template\(", "point_template.* template_layouts.*"),
     ("separated", r"\bseparated\b(?:\()?|\bbroken\(|\bin_pieces\b", "separation.* cracks.*"),
-    ("cut_by_ranks", r"\b(?:some_|any_)?(?:bond_)?(?:is_)?cut(?:_by_ranks)?\((?!\))|\bcut_by_ranks\(|\bany_shared\(|\bany_bond_is_cut_?\b|\bcut_\.count|\bshares_any\(", "halo_sum.* shared_nodes.*"),
+    (
+        "cut_by_ranks",
+        r"\b(?:some_|any_)?(?:bond_)?(?:is_)?cut(?:_by_ranks)?\((?!\))|\bcut_by_ranks\(|\bany_shared\(|\bany_bond_is_cut_?\b|\bcut_\.count|\bshares_any\(",
+        "halo_sum.* shared_nodes.*",
+    ),
     ("ranks == 1", r"\b(?:ranks|ranks_|nprocs)\s*(?:==|!=|>)\s*1\b", "halo_sum.* all_to_all.* rendezvous.* gather_ranks.*"),
     ("film", r"\bfilm\.(?:empty|carries_load|all)\b|\bkFilm\b|\b\w*(?:->|\.)film\b(?![.\w(])|\bhas_film\b", "film.* film_fill.*"),
 ]
@@ -75,7 +99,14 @@ def edge(text, at, step):
             if depth == 0 or c in "{}":
                 return at, c
             depth -= 1
-        elif depth == 0 and (c in ",;?" or c == ":" and ":" not in text[at - 1] + text[at + 1:at + 2] or c == "=" and text[at - 1] not in "=!<>+-*/|&" and text[at + 1:at + 2] != "="):
+        elif depth == 0 and (
+            c in ",;?"
+            or c == ":"
+            and ":" not in text[at - 1] + text[at + 1 : at + 2]
+            or c == "="
+            and text[at - 1] not in "=!<>+-*/|&"
+            and text[at + 1 : at + 2] != "="
+        ):
             return at, c
         at += step
     return at, ""
@@ -88,8 +119,8 @@ def is_tested(text, start, end, returns):
     while True:
         first, opening = edge(text, start - 1, -1)
         last, closing = edge(text, end, 1)
-        expression = text[first + 1:last]
-        if closing == "?" or TESTS.search(expression) or re.search(r"!\s*[\w.>:()\[\]-]*$", text[first + 1:start]):
+        expression = text[first + 1 : last]
+        if closing == "?" or TESTS.search(expression) or re.search(r"!\s*[\w.>:()\[\]-]*$", text[first + 1 : start]):
             return True
         if opening in "{};" and returns and re.match(r"\s*return\b", expression):
             return True

@@ -23,8 +23,10 @@ sys.dont_write_bytecode = True  # leave the source tree as it is
 try:
     from mpdem import run, runner, table
 except ImportError as missing:
-    sys.exit(f"pair_table.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
-             "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script")
+    sys.exit(
+        f"pair_table.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
+        "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
+    )
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
@@ -63,9 +65,15 @@ def numbers(text):
 
 def groups(args):
     if not args.table:
-        return [{"shapes": args.shapes.split(","), "loads": args.loads.split(","), "contents": numbers(args.contents),
-                 "set": pairs(args.set, "--set"),
-                 "vary": {k: v.split(",") for k, v in pairs(args.vary, "--vary").items()}}]
+        return [
+            {
+                "shapes": args.shapes.split(","),
+                "loads": args.loads.split(","),
+                "contents": numbers(args.contents),
+                "set": pairs(args.set, "--set"),
+                "vary": {k: v.split(",") for k, v in pairs(args.vary, "--vary").items()},
+            }
+        ]
     try:
         with open(args.table) as f:
             found = json.load(f)
@@ -79,6 +87,7 @@ def groups(args):
 def draw(out, rows):
     """The figures of finished runs; their names."""
     from mpdem import mode_map, table_figure
+
     names = []
     if rows:
         table_figure.draw(os.path.join(out, "table.png"), rows)
@@ -93,6 +102,7 @@ def main():
     args = arguments()
     if args.redraw:
         from mpdem import table_figure
+
         rows = table_figure.read(args.redraw)
         run.make_folder(args.out)
         print(f"written to {args.out}: {', '.join(draw(args.out, rows))}")

@@ -19,9 +19,16 @@ import sys
 
 FUZZ, MUTANTS = "fuzz.json", "mutants.json"
 ROUNDING, WIDEST = 1e-9, 30  # a figure below the first measures rounding, and its limit is to be at most so many times as large
-OUTCOMES = {"ok": "ended well", "message": "one message that names its command", "silent": "error without a message",
-            "nameless": "message that names no command", "crash": "crash", "hang": "hang", "memory": "too much memory",
-            "host": "LIGGGHTS' own crash or hang"}
+OUTCOMES = {
+    "ok": "ended well",
+    "message": "one message that names its command",
+    "silent": "error without a message",
+    "nameless": "message that names no command",
+    "crash": "crash",
+    "hang": "hang",
+    "memory": "too much memory",
+    "host": "LIGGGHTS' own crash or hang",
+}
 
 
 def files(folder):
@@ -46,9 +53,15 @@ def rows(path):
         limited = [r for r in of_test if r["limit"] is not None]
         if not limited:
             continue
-        yield {"file": os.path.splitext(os.path.basename(path))[0], "test": test, "what": of_test[0]["what"],
-               "cases": len({r["case"] for r in of_test}), "figures": len(limited),
-               "worst": max(limited, key=closeness), "met": all(r["met"] for r in limited)}
+        yield {
+            "file": os.path.splitext(os.path.basename(path))[0],
+            "test": test,
+            "what": of_test[0]["what"],
+            "cases": len({r["case"] for r in of_test}),
+            "figures": len(limited),
+            "worst": max(limited, key=closeness),
+            "met": all(r["met"] for r in limited),
+        }
 
 
 def closeness(r):
@@ -79,16 +92,21 @@ def told_limits(folder):
             name = os.path.splitext(os.path.basename(path))[0]
             found += [f"`{name}`: {test.replace('test_', '').replace('_', ' ')} ({limit:g} for {value:.1e})" for test, limit, value in wide_limits(records)]
     text = f"{some} figures measure rounding: they are below {ROUNDING:g}. "
-    return text + (f"Of these limits are above {WIDEST} times the largest figure that they hold: {'; '.join(found)}." if found
-                   else f"No limit of them is above {WIDEST} times the largest figure that it holds.")
+    return text + (
+        f"Of these limits are above {WIDEST} times the largest figure that they hold: {'; '.join(found)}."
+        if found
+        else f"No limit of them is above {WIDEST} times the largest figure that it holds."
+    )
 
 
 def row_of(r):
     w = r["worst"]
     name = f"`{r['file']}`: {r['test'].replace('test_', '').replace('_', ' ')}"
     what = (r["what"] or r["test"].replace("test_", "").replace("_", " ")).replace("|", "\\|")
-    return (f"| {name} | {what} | {r['cases']}, {r['figures']} | {w['figure'].replace('|', chr(92) + '|')} | "
-            f"{w['value']:.2g}{'' if r['met'] else ' **not met**'} | {w['limit']:g} |")
+    return (
+        f"| {name} | {what} | {r['cases']}, {r['figures']} | {w['figure'].replace('|', chr(92) + '|')} | "
+        f"{w['value']:.2g}{'' if r['met'] else ' **not met**'} | {w['limit']:g} |"
+    )
 
 
 def table(folder):
@@ -103,8 +121,7 @@ def fuzz_table(path):
     with open(path) as f:
         records = json.load(f)
     total = sum(sum(r["counts"].values()) for r in records)
-    text = [f"{total} inputs of seed {records[0]['seed']}:", "",
-            "| starts from | " + " | ".join(OUTCOMES.values()) + " |", "|---" * (len(OUTCOMES) + 1) + "|"]
+    text = [f"{total} inputs of seed {records[0]['seed']}:", "", "| starts from | " + " | ".join(OUTCOMES.values()) + " |", "|---" * (len(OUTCOMES) + 1) + "|"]
     return "\n".join(text + [f"| {r['case']} | " + " | ".join(str(r["counts"][k]) for k in OUTCOMES) + " |" for r in records])
 
 
@@ -112,10 +129,18 @@ def mutants_table(path):
     """One row a mutant. Code may hold bars, which would end a cell."""
     with open(path) as f:
         rows = json.load(f)
-    text = [f"{len(rows)} mutants of seed {rows[0]['seed']}: " + ", ".join(
-        f"{sum(r['outcome'] == o for r in rows)} {words}" for o, words in (("killed", "fail a test"), ("changes nothing", "change nothing"),
-        ("survives", "**survive**"), ("not run", "**were not run**")) if any(r["outcome"] == o for r in rows)) + ".", "",
-        "| file, line | what was changed | test that fails, or why nothing changes |", "|---|---|---|"]
+    text = [
+        f"{len(rows)} mutants of seed {rows[0]['seed']}: "
+        + ", ".join(
+            f"{sum(r['outcome'] == o for r in rows)} {words}"
+            for o, words in (("killed", "fail a test"), ("changes nothing", "change nothing"), ("survives", "**survive**"), ("not run", "**were not run**"))
+            if any(r["outcome"] == o for r in rows)
+        )
+        + ".",
+        "",
+        "| file, line | what was changed | test that fails, or why nothing changes |",
+        "|---|---|---|",
+    ]
     for r in rows:
         by = {"killed": f"`{r['by']}`", "changes nothing": r["by"], "survives": "**survives**", "not run": "**not run**"}[r["outcome"]]
         # A change of a few letters needs its line.

@@ -64,6 +64,7 @@ def reaches(start, goal, includes, without):
 def draw(package, picture):
     try:
         import matplotlib
+
         matplotlib.use("Agg")
         import matplotlib.pyplot as plt
     except ImportError as missing:
@@ -83,10 +84,21 @@ def draw(package, picture):
     boxes = {}
     for room, (x, y) in at.items():
         text = f"{room}\n{lines[room]} lines, {files[room]} files"
-        boxes[room] = axes.text(x, y, text, ha="center", va="center", fontsize=9, zorder=3,
-                  bbox={"boxstyle": "round,pad=0.45", "facecolor": colours.get(room.split("/")[0], "#e2ecd9"), "edgecolor": "#555555"})
-    axes.set_title("Rooms of src/USER-MPDEM; an arrow leads to a room that is included\n"
-                   "green: method, orange: engine, blue: what knows LIGGGHTS; thicker: more includes", fontsize=10)
+        boxes[room] = axes.text(
+            x,
+            y,
+            text,
+            ha="center",
+            va="center",
+            fontsize=9,
+            zorder=3,
+            bbox={"boxstyle": "round,pad=0.45", "facecolor": colours.get(room.split("/")[0], "#e2ecd9"), "edgecolor": "#555555"},
+        )
+    axes.set_title(
+        "Rooms of src/USER-MPDEM; an arrow leads to a room that is included\n"
+        "green: method, orange: engine, blue: what knows LIGGGHTS; thicker: more includes",
+        fontsize=10,
+    )
     axes.set_xlim(-0.5 * width - 0.2, 0.5 * width + 0.2)
     axes.set_ylim(-0.6, len(by_level) - 0.4)
     axes.axis("off")
@@ -97,10 +109,22 @@ def draw(package, picture):
             mutual = room in includes[other]
             if not mutual and reaches(room, other, includes, (room, other)):
                 continue
-            axes.annotate("", xy=at[other], xytext=at[room], zorder=1,
-                          arrowprops={"arrowstyle": "-|>", "color": "#c0392b" if mutual else "#777777", "shrinkA": 0, "shrinkB": 1,
-                                      "patchA": boxes[room].get_bbox_patch(), "patchB": boxes[other].get_bbox_patch(),
-                                      "linewidth": 0.7 + 0.03 * min(count, 60), "connectionstyle": "arc3,rad=0.08" if mutual else "arc3"})
+            axes.annotate(
+                "",
+                xy=at[other],
+                xytext=at[room],
+                zorder=1,
+                arrowprops={
+                    "arrowstyle": "-|>",
+                    "color": "#c0392b" if mutual else "#777777",
+                    "shrinkA": 0,
+                    "shrinkB": 1,
+                    "patchA": boxes[room].get_bbox_patch(),
+                    "patchB": boxes[other].get_bbox_patch(),
+                    "linewidth": 0.7 + 0.03 * min(count, 60),
+                    "connectionstyle": "arc3,rad=0.08" if mutual else "arc3",
+                },
+            )
     figure.savefig(picture, dpi=110)
     print(f"{len(lines)} rooms on {len(by_level)} levels, {sum(lines.values())} lines: {picture}")
 

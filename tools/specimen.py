@@ -21,8 +21,10 @@ sys.dont_write_bytecode = True  # leave the source tree as it is
 try:
     from mpdem import run, runner, specimen
 except ImportError as missing:
-    sys.exit(f"specimen.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
-             "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script")
+    sys.exit(
+        f"specimen.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
+        "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
+    )
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
@@ -53,8 +55,10 @@ def arguments():
 
 def variables(words):
     """NAME=VALUE as a dict; names that no script has are refused."""
-    known = sorted({v for s in ("beads.in", "in.pour", "in.cement", "in.load") for v in specimen.variables_of(os.path.join(specimen.FOLDER, s))}
-                   - {"here", "poured", "cemented", "beads", "content", "test", "pressure", "start", "loaded"})
+    known = sorted(
+        {v for s in ("beads.in", "in.pour", "in.cement", "in.load") for v in specimen.variables_of(os.path.join(specimen.FOLDER, s))}
+        - {"here", "poured", "cemented", "beads", "content", "test", "pressure", "start", "loaded"}
+    )
     found = {}
     for word in words:
         name, _, value = word.partition("=")
@@ -84,6 +88,7 @@ def plan(args):
 
 def draw(out, rows, reference, line):
     from mpdem import specimen_figures as figures
+
     items = [(load, r, specimen.Curve(os.path.join(out, load.label), load.test, load.pressure, load.arguments.get("young"))) for load, r in rows]
     names, roses = ["curves.png", "awake.png", "strength.png", "rose.png"], []
     figures.curves(os.path.join(out, "curves.png"), items, reference)
@@ -108,20 +113,30 @@ def tell(rows, reference):
     """The table, and cohesion and friction angle; returns these."""
     for load, r in rows:
         calm = f"below 1e-3 from {100 * r['load_when_calm']:.0f} % of the peak" if r["load_when_calm"] < 1.0 else "not below 1e-3 before"
-        print(f"{load.label}: {load.told(r)}; kinetic share of the energy {r['kinetic_at_half']:.1e} at half of the peak, {calm} until the first point fails; "
-              f"energy imbalance of the cement {r['imbalance']:.1e}; of the work at the peak {100 * r['springs_at_peak']:.3g} % are in the springs of the contacts, "
-              f"{100 * r['rubbed_at_peak']:.2g} % went to their friction and dashpots"
-              + (f"; pressure of the sides off by at most {100 * r['pressure_off_to_peak']:.2g} % up to the peak, {100 * r['pressure_off_after_peak']:.2g} % after it" if load.pressure else ""))
+        print(
+            f"{load.label}: {load.told(r)}; kinetic share of the energy {r['kinetic_at_half']:.1e} at half of the peak, {calm} until the first point fails; "
+            f"energy imbalance of the cement {r['imbalance']:.1e}; of the work at the peak {100 * r['springs_at_peak']:.3g} % are in the springs of the contacts, "
+            f"{100 * r['rubbed_at_peak']:.2g} % went to their friction and dashpots"
+            + (
+                f"; pressure of the sides off by at most {100 * r['pressure_off_to_peak']:.2g} % up to the peak, {100 * r['pressure_off_after_peak']:.2g} % after it"
+                if load.pressure
+                else ""
+            )
+        )
     line = specimen.mohr_coulomb([r for load, r in rows if load.test == "compression" and load.content == reference])
     if not line:
         return None
     if line["beyond"]:
-        print(f"content {reference:g}: at {', '.join(f'{1e-6 * p:g}' for p in line['beyond'])} MPa the specimen is beyond its cap: the strength rises by less than the "
-              "pressure, which breaks bonds itself; left out of cohesion and friction angle")
+        print(
+            f"content {reference:g}: at {', '.join(f'{1e-6 * p:g}' for p in line['beyond'])} MPa the specimen is beyond its cap: the strength rises by less than the "
+            "pressure, which breaks bonds itself; left out of cohesion and friction angle"
+        )
     fit = line["fit"]
     if fit:
-        print(f"content {reference:g}: cohesion {1e-6 * fit['cohesion']:.3g} MPa, friction angle {fit['angle']:.3g} degrees, from {line['fitted']} strengths; "
-              f"these are off the line by at most {100 * fit['off']:.2g} % of the largest")
+        print(
+            f"content {reference:g}: cohesion {1e-6 * fit['cohesion']:.3g} MPa, friction angle {fit['angle']:.3g} degrees, from {line['fitted']} strengths; "
+            f"these are off the line by at most {100 * fit['off']:.2g} % of the largest"
+        )
     else:
         print(f"content {reference:g}: no friction angle: less than two strengths are below the cap; set smaller --pressures or a larger content by --at")
     return line

@@ -17,8 +17,22 @@ from pathlib import Path
 
 import numpy as np
 
-COLUMNS = ("run", "points", "debonding_share", "first_r_min", "first_r_max", "r_min", "r_max", "height_q25", "height_median",
-           "height_q75", "t_inner", "t_middle", "t_outer", "bursts")
+COLUMNS = (
+    "run",
+    "points",
+    "debonding_share",
+    "first_r_min",
+    "first_r_max",
+    "r_min",
+    "r_max",
+    "height_q25",
+    "height_median",
+    "height_q75",
+    "t_inner",
+    "t_middle",
+    "t_outer",
+    "bursts",
+)
 
 
 def read(path):
@@ -37,7 +51,7 @@ def row(run, radius):
         return None
     half = radius - np.sqrt(radius**2 - r**2)
     inside = np.abs(z[~debonding] / half[~debonding])
-    first = r[:max(10, len(r) // 50)]
+    first = r[: max(10, len(r) // 50)]
     thirds, bursts = [""] * 3, 0
     if debonding.sum() >= 20:
         ends = np.linspace(r[debonding].min(), r[debonding].max(), 4)
@@ -47,8 +61,7 @@ def row(run, radius):
         times = np.sort(t[debonding])
         bursts = 1 + int((np.diff(times) > (times[-1] - times[0]) / 50).sum())
     heights = [f"{q:.3g}" for q in np.percentile(inside, [25, 50, 75])] if len(inside) else [""] * 3
-    return [run.name, len(t), f"{debonding.mean():.3g}", *(f"{1e3 * x:.4g}" for x in (first.min(), first.max(), r.min(), r.max())),
-            *heights, *thirds, bursts]
+    return [run.name, len(t), f"{debonding.mean():.3g}", *(f"{1e3 * x:.4g}" for x in (first.min(), first.max(), r.min(), r.max())), *heights, *thirds, bursts]
 
 
 def main():

@@ -22,8 +22,7 @@ try:
     from vtkmodules.vtkIOImage import vtkPNGWriter
     from vtkmodules.vtkIOLegacy import vtkDataSetReader
     from vtkmodules.vtkRenderingAnnotation import vtkScalarBarActor
-    from vtkmodules.vtkRenderingCore import (vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkTextActor,
-                                             vtkWindowToImageFilter)
+    from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkTextActor, vtkWindowToImageFilter
     import vtkmodules.vtkRenderingFreeType  # noqa: F401
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 except ImportError as missing:

@@ -15,16 +15,20 @@ from draw import Candidate
 try:
     from clang.cindex import CursorKind, Index, TypeKind
 except ImportError:
-    sys.exit("mutate.py: the Python bindings of libclang are missing; install them with "
-             "'apt-get install python3-clang-14 libclang-common-14-dev'")
+    sys.exit("mutate.py: the Python bindings of libclang are missing; install them with " "'apt-get install python3-clang-14 libclang-common-14-dev'")
 
 RELATIONS = {  # of whole numbers: the boundary moves; of others, where a boundary is almost nothing: the sense
-    "<": ("<=", ">"), "<=": ("<", ">="), ">": (">=", "<"), ">=": (">", "<="), "==": ("!=", "!="), "!=": ("==", "==")}
+    "<": ("<=", ">"),
+    "<=": ("<", ">="),
+    ">": (">=", "<"),
+    ">=": (">", "<="),
+    "==": ("!=", "!="),
+    "!=": ("==", "=="),
+}
 ARITHMETIC = {"+": "-", "-": "+", "*": "/", "/": "*"}
 LOGIC = {"&&": "||", "||": "&&"}
 ASSIGNMENTS = {"+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=", "|=": "&=", "&=": "|="}
-INTEGERS = {getattr(TypeKind, n) for n in ("BOOL", "CHAR_S", "SCHAR", "UCHAR", "SHORT", "USHORT", "INT", "UINT", "LONG",
-                                           "ULONG", "LONGLONG", "ULONGLONG")}
+INTEGERS = {getattr(TypeKind, n) for n in ("BOOL", "CHAR_S", "SCHAR", "UCHAR", "SHORT", "USHORT", "INT", "UINT", "LONG", "ULONG", "LONGLONG", "ULONGLONG")}
 NUMBERS = (INTEGERS - {TypeKind.BOOL}) | {TypeKind.FLOAT, TypeKind.DOUBLE, TypeKind.VECTOR, TypeKind.DEPENDENT}
 LOOPS = {CursorKind.FOR_STMT, CursorKind.WHILE_STMT, CursorKind.DO_STMT, CursorKind.CXX_FOR_RANGE_STMT}
 
@@ -42,21 +46,31 @@ class File:
         self.lines = source.decode().split("\n")
 
     def text(self, cursor):
-        return self.source[cursor.extent.start.offset:cursor.extent.end.offset].decode()
+        return self.source[cursor.extent.start.offset : cursor.extent.end.offset].decode()
 
     def between(self, left, right):
-        return one_line(self.source[left.extent.end.offset:right.extent.start.offset].decode())
+        return one_line(self.source[left.extent.end.offset : right.extent.start.offset].decode())
 
     def before(self, cursor):
-        return self.source[:cursor.extent.start.offset].decode().rstrip()[-1:]
+        return self.source[: cursor.extent.start.offset].decode().rstrip()[-1:]
 
     def add(self, operator, cursor, mutated, template="(mpdem_mutant({n}) ? ({mutated}) : ({original}))", original=None):
         start, end = cursor.extent.start.offset, cursor.extent.end.offset
         whole = self.source[start:end].decode()
         line = self.source[:start].count(b"\n")
-        self.found.append(Candidate(
-            self.path, operator, start, end, line + 1, one_line(original or whole), one_line(mutated),
-            template.replace("{mutated}", one_line(mutated)).replace("{original}", whole), self.lines[line].strip()))
+        self.found.append(
+            Candidate(
+                self.path,
+                operator,
+                start,
+                end,
+                line + 1,
+                one_line(original or whole),
+                one_line(mutated),
+                template.replace("{mutated}", one_line(mutated)).replace("{original}", whole),
+                self.lines[line].strip(),
+            )
+        )
 
     # ------------------------------------------------------------------------ what is done where
 
@@ -92,12 +106,15 @@ class File:
             if word in ("break", "continue"):
                 other = {"break": "continue", "continue": "break"}[word]
                 self.add("loop", c, other, "if (mpdem_mutant({n})) {mutated}; else {original}")
-        if role == "statement" and kind in (CursorKind.CALL_EXPR, CursorKind.BINARY_OPERATOR, CursorKind.COMPOUND_ASSIGNMENT_OPERATOR,
-                                            CursorKind.UNARY_OPERATOR):
+        if role == "statement" and kind in (
+            CursorKind.CALL_EXPR,
+            CursorKind.BINARY_OPERATOR,
+            CursorKind.COMPOUND_ASSIGNMENT_OPERATOR,
+            CursorKind.UNARY_OPERATOR,
+        ):
             self.add("statement", c, "", "(mpdem_mutant({n}) ? (void)0 : (void)({original}))")
         for i, child in enumerate(children):
-            body = kind == CursorKind.COMPOUND_STMT or (kind == CursorKind.IF_STMT and i > 0) or \
-                (kind in LOOPS and i == len(children) - 1)
+            body = kind == CursorKind.COMPOUND_STMT or (kind == CursorKind.IF_STMT and i > 0) or (kind in LOOPS and i == len(children) - 1)
             self.visit(child, c, "statement" if body else "")
 
     def binary(self, c, left, right):
@@ -122,8 +139,11 @@ class File:
             self.add("sign", c, self.text(operand))
 
     def sign(self, value, type_):
-        if type_.get_canonical().kind in NUMBERS and type_.get_canonical().kind not in INTEGERS and \
-                not re.fullmatch(r"0(\.0)?|\{\}|-.*", self.text(value), re.S):
+        if (
+            type_.get_canonical().kind in NUMBERS
+            and type_.get_canonical().kind not in INTEGERS
+            and not re.fullmatch(r"0(\.0)?|\{\}|-.*", self.text(value), re.S)
+        ):
             self.add("sign", value, f"-({self.text(value)})")
 
     def constant(self, c, parent):
@@ -164,8 +184,9 @@ def find(commands, root, report):
     for i, command in enumerate(commands):
         report(f"reading {i + 1}/{len(commands)}")
         words = command["command"].split()[1:]
-        arguments = [w for w in words if w.startswith(("-I", "-D", "-std", "-march", "/usr/"))] + \
-                    [x for w, n in zip(words, words[1:]) if w == "-isystem" for x in (w, n)]
+        arguments = [w for w in words if w.startswith(("-I", "-D", "-std", "-march", "/usr/"))] + [
+            x for w, n in zip(words, words[1:]) if w == "-isystem" for x in (w, n)
+        ]
         unit = index.parse(command["file"], args=["-w", "-std=gnu++17"] + arguments)
         bad = [d for d in unit.diagnostics if d.severity >= 3]
         if bad:
@@ -177,7 +198,7 @@ def find(commands, root, report):
                 name = os.path.normpath(c.location.file.name) if c.location.file else ""
                 if not name.startswith(root + "/"):
                     continue
-                path = name[len(root) + 1:]
+                path = name[len(root) + 1 :]
                 if path in files or path.endswith(FILES_LEFT_OUT):
                     continue
                 if c.kind == CursorKind.NAMESPACE:
@@ -187,6 +208,7 @@ def find(commands, root, report):
                     with open(name, "rb") as f:
                         here[path] = File(path, f.read())
                 here[path].visit(c)
+
         walk(unit.cursor)
         for path in here:
             compiled_by.setdefault(path, command)

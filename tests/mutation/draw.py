@@ -15,15 +15,15 @@ MOST_OF_A_FILE = 3
 
 @dataclass
 class Candidate:
-    path: str      # below src/USER-MPDEM
+    path: str  # below src/USER-MPDEM
     operator: str  # its class
-    start: int     # range in the text, bytes
+    start: int  # range in the text, bytes
     end: int
     line: int
     original: str
     mutated: str
-    text: str = ""      # what the range is replaced by; {n} is the number
-    content: str = ""   # the line, for keys and tables
+    text: str = ""  # what the range is replaced by; {n} is the number
+    content: str = ""  # the line, for keys and tables
     occurrence: int = 0
 
     def key(self):
@@ -71,8 +71,11 @@ def draw(candidates, seed, least, total, refused, drawn=()):
     from the same source, which a place of theirs is not drawn for again."""
     chosen = []
     for name, number in sorted(quotas(candidates, least, total).items()):
-        here = [c for c in candidates if folder(c) == name and c.key() not in refused and
-                not any(c.path == d.path and c.start < d.end and d.start < c.end for d in drawn)]
+        here = [
+            c
+            for c in candidates
+            if folder(c) == name and c.key() not in refused and not any(c.path == d.path and c.start < d.end and d.start < c.end for d in drawn)
+        ]
         # From each operator in turn, or half of them would be constants and indices.
         heaps = {}
         for c in sorted(here, key=lambda c: lot(seed, c.key())):
@@ -85,8 +88,7 @@ def draw(candidates, seed, least, total, refused, drawn=()):
                 heap = heaps[operator]
                 while heap and len(taken) < number:
                     c = heap.pop(0)
-                    if sum(c.path == t.path for t in taken) < most and not any(
-                            c.path == t.path and c.start < t.end and t.start < c.end for t in taken):
+                    if sum(c.path == t.path for t in taken) < most and not any(c.path == t.path and c.start < t.end and t.start < c.end for t in taken):
                         taken.append(c)
                         break
             if len(taken) == before:
@@ -98,5 +100,5 @@ def draw(candidates, seed, least, total, refused, drawn=()):
 def switched(source, mutants):
     """The bytes of a file with its mutants, (number, candidate), as switches. Lines stay where they are."""
     for number, c in sorted(mutants, key=lambda m: -m[1].start):
-        source = source[:c.start] + c.text.replace("{n}", str(number)).encode() + source[c.end:]
+        source = source[: c.start] + c.text.replace("{n}", str(number)).encode() + source[c.end :]
     return source

@@ -239,8 +239,13 @@ class Judge:
         began = time.time()
         # What somebody argued to change nothing is not let off what is cheap: a unit test that fails shows the argument wrong.
         for suite in self.suites[:1] if self.reason(c) else self.suites:
-            tests = [t for t in suite.in_order(c) if number in self.known[t]["reached"] and result["passed"].get(t) != self.known[t]["mark"] and
-                     (not self.most or self.known[t]["seconds"] <= self.most)]
+            tests = [
+                t
+                for t in suite.in_order(c)
+                if number in self.known[t]["reached"]
+                and result["passed"].get(t) != self.known[t]["mark"]
+                and (not self.most or self.known[t]["seconds"] <= self.most)
+            ]
             killer, passed = suite.kill(number, tests)
             result["passed"].update({t: self.known[t]["mark"] for t in passed})  # until the test changes
             if killer:
@@ -262,8 +267,13 @@ class Judge:
                 n, c = waiting[future]
                 result, done = future.result(), done + 1
                 left = (time.time() - began) / done * (len(todo) - done) / 60
-                end = (f"killed by {result['killer']}" if "killer" in result else "changes nothing" if self.reason(c) else
-                       f"SURVIVES {len(result['passed'])} tests")
+                end = (
+                    f"killed by {result['killer']}"
+                    if "killer" in result
+                    else "changes nothing"
+                    if self.reason(c)
+                    else f"SURVIVES {len(result['passed'])} tests"
+                )
                 say(f"[{done}/{len(todo)}] {n} {c.path}:{c.line} {c.change()}: {end} ({result['seconds']} s; about {left:.0f} min left)")
 
     def table(self):
@@ -271,9 +281,21 @@ class Judge:
         for n, c in enumerate(self.folder.mutants, 1):
             r = self.folder.state["results"].get(c.key(), {})
             outcome = "killed" if "killer" in r else "changes nothing" if self.reason(c) else "survives" if "passed" in r else "not run"
-            rows.append({"number": n, "folder": draw.folder(c), "file": c.path, "line": c.line, "content": c.content,
-                         "operator": c.operator, "change": c.change(), "outcome": outcome, "seed": self.folder.seed,
-                         "by": r.get("killer") or self.reason(c), "reached": sum(n in t["reached"] for t in self.known.values())})
+            rows.append(
+                {
+                    "number": n,
+                    "folder": draw.folder(c),
+                    "file": c.path,
+                    "line": c.line,
+                    "content": c.content,
+                    "operator": c.operator,
+                    "change": c.change(),
+                    "outcome": outcome,
+                    "seed": self.folder.seed,
+                    "by": r.get("killer") or self.reason(c),
+                    "reached": sum(n in t["reached"] for t in self.known.values()),
+                }
+            )
         return rows
 
 

@@ -16,8 +16,14 @@ import time
 from pathlib import Path
 
 MEMORY, DISK = 12 << 30, 1 << 30  # of a process, bytes: a mutant may ask for anything
-HURRY = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader",
-         "OMPI_MCA_mpi_yield_when_idle": "1", "GTEST_COLOR": "no"}
+HURRY = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_pml": "ob1",
+    "OMPI_MCA_btl": "self,vader",
+    "OMPI_MCA_mpi_yield_when_idle": "1",
+    "GTEST_COLOR": "no",
+}
 
 
 RUNNING = set()  # processes, each the first of a group
@@ -41,8 +47,16 @@ def limits():
 def execute(command, folder, seconds, **environment):
     """Status (None: it had to be ended) and output."""
     with tempfile.TemporaryFile("w+", errors="replace") as out:
-        process = subprocess.Popen(list(map(str, command)), cwd=folder, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-                                   env={**os.environ, **HURRY, **environment}, start_new_session=True, preexec_fn=limits)
+        process = subprocess.Popen(
+            list(map(str, command)),
+            cwd=folder,
+            stdout=out,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            env={**os.environ, **HURRY, **environment},
+            start_new_session=True,
+            preexec_fn=limits,
+        )
         RUNNING.add(process)
         try:
             status = process.wait(seconds)
@@ -111,8 +125,7 @@ class UnitTests:
         passed = []
         for name in tests:
             t = self.made[name]
-            status, output = execute(t.command + ["--gtest_fail_fast"], self.folder.build, 30 + 8 * self.known[name]["seconds"],
-                                     MPDEM_MUTANT=str(number))
+            status, output = execute(t.command + ["--gtest_fail_fast"], self.folder.build, 30 + 8 * self.known[name]["seconds"], MPDEM_MUTANT=str(number))
             if status != 0:
                 failed = re.search(r"\[  FAILED  \] ([\w./]+)", output)
                 started = re.findall(r"\[ RUN      \] ([\w./]+)", output)
@@ -130,21 +143,29 @@ class SystemTests:
 
     def __init__(self, folder, pattern):
         self.folder, self.known, self.pattern = folder, folder.state["tests"], pattern
-        self.environment = {"MPDEM_EXE": str(folder.build / "liggghts-mpdem"), "MPDEM_FIGURES": "", "PYTHONDONTWRITEBYTECODE": "1",
-                            "PYTHONPATH": str(Path(__file__).parent)}
+        self.environment = {
+            "MPDEM_EXE": str(folder.build / "liggghts-mpdem"),
+            "MPDEM_FIGURES": "",
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "PYTHONPATH": str(Path(__file__).parent),
+        }
 
     def pytest(self, arguments, seconds, **environment):
         temporary = tempfile.mkdtemp()
         try:
-            return execute([sys.executable, "-B", "-m", "pytest", "-p", "no:cacheprovider", "-p", "reach", f"--basetemp={temporary}/t",
-                            *arguments], self.folder.tree / "tests", seconds, **self.environment, **environment)
+            return execute(
+                [sys.executable, "-B", "-m", "pytest", "-p", "no:cacheprovider", "-p", "reach", f"--basetemp={temporary}/t", *arguments],
+                self.folder.tree / "tests",
+                seconds,
+                **self.environment,
+                **environment,
+            )
         finally:
             shutil.rmtree(temporary, ignore_errors=True)
 
     def files(self):
         """Not the tests of this tool, which look at the source as it is."""
-        return [f for kind in ("system", "stability") for f in sorted((self.folder.tree / "tests" / kind).glob("test_*.py"))
-                if f.name != "test_mutation.py"]
+        return [f for kind in ("system", "stability") for f in sorted((self.folder.tree / "tests" / kind).glob("test_*.py")) if f.name != "test_mutation.py"]
 
     def measure(self, jobs):
         """Tests of files that changed. A test that is skipped here is none."""
@@ -191,6 +212,7 @@ class SystemTests:
 
         def rank(test):
             return not names.get(test.split("::")[0].split("/")[-1], False), self.known[test]["seconds"]
+
         return sorted((t for t in self.known if "::" in t and re.search(self.pattern, t)), key=rank)
 
     def kill(self, number, tests):
@@ -211,6 +233,6 @@ class SystemTests:
                     return killer + ("" if failed else ", which does not end"), passed
                 print(f"mutate.py: {killer} fails now and then, without a mutant, too", flush=True)
                 at -= len(chunk) - chunk.index(killer) - 1
-                chunk = chunk[:chunk.index(killer) + 1]
+                chunk = chunk[: chunk.index(killer) + 1]
             passed += chunk
         return "", passed

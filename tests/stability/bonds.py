@@ -7,7 +7,7 @@ from scenes import cement, edit, pair, run
 
 CELL = 4e-4
 SMALL = "inner 1.4e-3 outer 2.2e-3"
-LAW = "damage tensor B0 9.6e3 cutoff 0.9"    # onset near 20 MPa
+LAW = "damage tensor B0 9.6e3 cutoff 0.9"  # onset near 20 MPa
 BRITTLE = "damage tensor B0 9.6e6 cutoff 0.9"
 
 

@@ -40,7 +40,7 @@ def test_offset_and_failure(tmp_path, figures, long):
         script = edit(offset(s), "axis global 0 0 1", f"axis radial {BRITTLE}") + pull(4.0, 4e-6)
         t = run(script + thermo(10, ["f_bond", "f_cem[12]", "f_bond[22]"]) + "run 1400\n", tmp_path / str(n)).table()
         peaks.append(t["f_bond"].max())
-        figures.below(f"offset {n}: imbalance of the energy after the peak", abs(t["f_cem[12]"][t["f_bond"].argmax():]).max(), 0.005)
+        figures.below(f"offset {n}: imbalance of the energy after the peak", abs(t["f_cem[12]"][t["f_bond"].argmax() :]).max(), 0.005)
         assert abs(t["f_bond"][-20:]).mean() < 0.1 * peaks[-1]
     figures.below(f"{len(peaks)} offsets of the grid: spread of the peak force", np.ptp(peaks) / np.mean(peaks), 0.2)
 
@@ -54,8 +54,7 @@ def test_points_a_cell(percell, tmp_path, figures, long):
     breaks = inner if long else "inner 1.6e-3 outer 2e-3"
     script = pair(CELL / percell, cement=breaks) + cement(CELL, 4e-9, axis="radial", damage=BRITTLE) + pull(4.0, 4e-6)
     t = run(script + thermo(10, ["f_bond", "f_cem[12]"]) + "run 1600\n", tmp_path / "broken").table()
-    figures.below(f"{percell**3} points a cell: imbalance of the energy after the peak",
-                  abs(t["f_cem[12]"][t["f_bond"].argmax():]).max(), 0.01)
+    figures.below(f"{percell**3} points a cell: imbalance of the energy after the peak", abs(t["f_cem[12]"][t["f_bond"].argmax() :]).max(), 0.01)
     figures.note(f"{percell**3} points a cell: peak force", f"{t['f_bond'].max():.0f} N")
 
 
@@ -65,7 +64,7 @@ def test_cut_cells(words, fraction, tmp_path, figures):
     """A tenth of the points at the surface have a volume down to a millionth of a cell."""
     run(pair(CELL / 2) + "write_cement cement.txt\n", tmp_path / "made")
     points = read(tmp_path / "made" / "cement.txt")
-    cut = np.flatnonzero(points["volume"] < 0.99 * (CELL / 2)**3)
+    cut = np.flatnonzero(points["volume"] < 0.99 * (CELL / 2) ** 3)
     small = np.random.default_rng(3).choice(cut, len(cut) // 10, replace=False)
     points["volume"][small] = fraction * CELL**3
     write(tmp_path / "cement.txt", points)
@@ -76,5 +75,5 @@ def test_cut_cells(words, fraction, tmp_path, figures):
     assert all(np.isfinite(c).all() for c in t.values())
     name = f"{words or 'default'}, {len(small)} of {len(points['volume'])} points of {fraction:g} of a cell"
     figures.note(f"{name}: time step", f"{t['dt'][-1]:.3g} s")
-    figures.below(f"{name}: imbalance of the energy after the peak", abs(t["f_cem[12]"][t["f_bond"].argmax():]).max(), 0.006)
+    figures.below(f"{name}: imbalance of the energy after the peak", abs(t["f_cem[12]"][t["f_bond"].argmax() :]).max(), 0.006)
     assert abs(t["f_bond"][-1]) < 0.2 * t["f_bond"].max()

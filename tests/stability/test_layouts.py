@@ -16,9 +16,15 @@ SETTINGS = {"default": ("quasistatic 1 0.5", 1500), "updated": ("kinematics upda
 
 def torn(words, steps, processors="* * *", **options):
     """A bond that is pulled in two and whose pieces come to rest."""
-    text = bond(f"{words} events events.csv", timestep="2e-8", damage="damage tensor B0 9.6e6 cutoff 0.9",
-                gap=options.pop("gap", 2e-4), processors=processors, **options)
-    return (text + pull(8.0, 4e-6) + thermo(EVERY, ["f_bond", "f_bond[17]", "f_cem[2]", "f_bond[22]"]) + f"run {steps}\n")
+    text = bond(
+        f"{words} events events.csv",
+        timestep="2e-8",
+        damage="damage tensor B0 9.6e6 cutoff 0.9",
+        gap=options.pop("gap", 2e-4),
+        processors=processors,
+        **options,
+    )
+    return text + pull(8.0, 4e-6) + thermo(EVERY, ["f_bond", "f_bond[17]", "f_cem[2]", "f_bond[22]"]) + f"run {steps}\n"
 
 
 def events(directory):
@@ -38,8 +44,11 @@ def compare(one, other, what, limit, figures):
     figures.note(f"{what}: force at any step, of the peak", f"{difference.max():.1e}")
     ours, theirs = events(one.directory), events(other.directory)
     assert len(ours) > 50
-    figures.below(f"{what}: of {len(ours)} failures, those that differ in step, point or order",
-                  sum(p != q for p, q in zip(ours, theirs)) + abs(len(ours) - len(theirs)), 0)
+    figures.below(
+        f"{what}: of {len(ours)} failures, those that differ in step, point or order",
+        sum(p != q for p, q in zip(ours, theirs)) + abs(len(ours) - len(theirs)),
+        0,
+    )
 
 
 _alone = {}
@@ -52,6 +61,7 @@ def alone(tmp_path_factory):
             words, steps = SETTINGS[name]
             _alone[name] = run(torn(words, steps), tmp_path_factory.mktemp("alone"))
         return _alone[name]
+
     return get
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from bonds import LAW, bond
-from scenes import CONTACT, RADIUS, edit, run, shift, thermo
+from scenes import run, shift, thermo
 
 GRAIN_ENERGY = """\
 compute      kin grains reduce sum v_kinetic
@@ -20,9 +20,11 @@ def test_free_vibration(words, steps, tmp_path, figures, long):
     as that of the grains, and moves with nodes, not with them. The change scales with the square of the step.
     """
     steps = steps if long else steps // 40
-    script = bond(words) + shift(1e-8, "(2000*dt)") + (
-        "run 2000\nunfix pull\nunfix hold\nfix motion grains nve/sphere\n"
-        "variable kinetic atom \"0.5*mass*(vx^2+vy^2+vz^2)\"\n" + GRAIN_ENERGY)
+    script = (
+        bond(words)
+        + shift(1e-8, "(2000*dt)")
+        + ("run 2000\nunfix pull\nunfix hold\nfix motion grains nve/sphere\n" 'variable kinetic atom "0.5*mass*(vx^2+vy^2+vz^2)"\n' + GRAIN_ENERGY)
+    )
     t = run(script + thermo(steps // 1000, ["v_energy", "f_bond"]) + f"run {steps}\n", tmp_path).table()
     E, force = t["v_energy"], t["f_bond"]
     assert force.max() > 0 > force.min()
@@ -30,8 +32,9 @@ def test_free_vibration(words, steps, tmp_path, figures, long):
     drift = abs(E[-tenth:].mean() / E[:tenth].mean() - 1)
     swings = abs(np.diff(np.sign(force))).sum() / 4
     figures.note(f"{words or 'default'}: steps", steps)
-    figures.below(f"{words or 'default'}, {steps} steps, at least {swings:.0f} swings: drift of the energy", drift,
-                  1e-2 if "cubic" in words else 2e-3)  # of cubic splines a beat is seen: +0.6 and -0.5 % alternately, no trend
+    figures.below(
+        f"{words or 'default'}, {steps} steps, at least {swings:.0f} swings: drift of the energy", drift, 1e-2 if "cubic" in words else 2e-3
+    )  # of cubic splines a beat is seen: +0.6 and -0.5 % alternately, no trend
     figures.below(f"{words or 'default'}, {steps} steps: energy of any step against the mean", abs(E[5:] / E.mean() - 1).max(), 0.03)
 
 
@@ -40,9 +43,11 @@ def test_damped_vibration(words, tmp_path, figures, long):
     """The same with a transfer in every step, which damps where the cement is held: energy never
     grows, and what is lost is counted."""
     steps = 40000 if long else 4000
-    script = bond(words) + shift(1e-8, "(2000*dt)") + (
-        "run 2000\nunfix pull\nunfix hold\nfix motion grains nve/sphere\n"
-        "variable kinetic atom \"0.5*mass*(vx^2+vy^2+vz^2)\"\n" + GRAIN_ENERGY)
+    script = (
+        bond(words)
+        + shift(1e-8, "(2000*dt)")
+        + ("run 2000\nunfix pull\nunfix hold\nfix motion grains nve/sphere\n" 'variable kinetic atom "0.5*mass*(vx^2+vy^2+vz^2)"\n' + GRAIN_ENERGY)
+    )
     t = run(script + thermo(20, ["v_energy", "f_cem[10]"]) + f"run {steps}\n", tmp_path).table()
     E, damped = t["v_energy"], t["f_cem[10]"]
     figures.below(f"{words}: largest energy against the start", E.max() / E[0] - 1, 0.01)
@@ -59,10 +64,12 @@ def turning(rate, ramp):
     text = f"variable from equal $(step)\nvariable s equal (step-v_from)*dt\nvariable a equal {a}\nvariable w equal {w}\n"
     for name, sign in (("first", -1), ("second", 1)):
         # The arm is the present one, `fix move` counts from where the grain is.
-        text += (f"variable r{name} equal {sign}*$({'z[1]' if sign < 0 else 'z[2]'}*{sign})\n"
-                 f"variable x{name} equal v_r{name}*sin(v_a)\nvariable z{name} equal v_r{name}*(cos(v_a)-1)\n"
-                 f"variable u{name} equal v_r{name}*cos(v_a)*v_w\nvariable q{name} equal -v_r{name}*sin(v_a)*v_w\n"
-                 f"fix turn{name} {name} move variable v_x{name} NULL v_z{name} v_u{name} NULL v_q{name}\n")
+        text += (
+            f"variable r{name} equal {sign}*$({'z[1]' if sign < 0 else 'z[2]'}*{sign})\n"
+            f"variable x{name} equal v_r{name}*sin(v_a)\nvariable z{name} equal v_r{name}*(cos(v_a)-1)\n"
+            f"variable u{name} equal v_r{name}*cos(v_a)*v_w\nvariable q{name} equal -v_r{name}*sin(v_a)*v_w\n"
+            f"fix turn{name} {name} move variable v_x{name} NULL v_z{name} v_u{name} NULL v_q{name}\n"
+        )
     return text
 
 
@@ -77,7 +84,7 @@ def test_rotation(words, tmp_path, figures, long):
     # Damping towards the motion of the grains, so that no vibration hides a drift.
     script = bond(f"{words} quasistatic 1 0.2", timestep=f"{dt}", damage=LAW, half_box=3 * (12e-3,)) + shift(opening, "(3000*dt)")
     script += "run 3000\nunfix pull\nunfix hold\nfix hold grains move linear 0 0 0\nrun 3000\nunfix hold\n" + turning(rate, ramp)
-    script += f"variable sm equal v_s+{every / 2}*dt\nvariable om atom \"(v_sm<{ramp})*0.5*{rate}*(1-cos(PI*v_sm/{ramp}))+(v_sm>={ramp})*{rate}\"\n"
+    script += f'variable sm equal v_s+{every / 2}*dt\nvariable om atom "(v_sm<{ramp})*0.5*{rate}*(1-cos(PI*v_sm/{ramp}))+(v_sm>={ramp})*{rate}"\n'
     script += thermo(250, ["f_bond", "f_bond[19]", "f_bond[20]", "f_cem[6]", "f_cem[2]"])
     script += f'set group grains omegay v_om\nrun 4000 every {every} "set group grains omegay v_om"\nset group grains omegay {rate}\nrun 3000\nrun {steps}\n'
     t = run(script, tmp_path).table()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from bonds import BRITTLE, bond
-from scenes import MOMENTA, MOMENTUM_COLUMNS, edit, pull, run, shift, thermo
+from scenes import MOMENTA, MOMENTUM_COLUMNS, pull, run, thermo
 
 DT = 2e-8
 
@@ -15,9 +15,11 @@ def ways(positions, duration):
     for n, position in enumerate(positions):
         way, at = position - at, position
         x = f"((step-v_b{n})*dt/{duration})"
-        text += (f"variable b{n} equal $(step)\nvariable z{n} equal \"{way}*({x}-sin(2*PI*{x})/2/PI)\"\n"
-                 f"variable w{n} equal \"{way}/{duration}*(1-cos(2*PI*{x}))\"\n"
-                 f"fix pull second move variable NULL NULL v_z{n} NULL NULL v_w{n}\nrun {round(duration / DT)}\nunfix pull\n")
+        text += (
+            f'variable b{n} equal $(step)\nvariable z{n} equal "{way}*({x}-sin(2*PI*{x})/2/PI)"\n'
+            f'variable w{n} equal "{way}/{duration}*(1-cos(2*PI*{x}))"\n'
+            f"fix pull second move variable NULL NULL v_z{n} NULL NULL v_w{n}\nrun {round(duration / DT)}\nunfix pull\n"
+        )
     return text
 
 
@@ -38,8 +40,11 @@ def test_unload_and_reload(words, tmp_path, figures):
     gap, force, spent = t["f_bond[13]"], t["f_bond"], t["f_cem[8]"] + t["f_cem[9]"]
     assert t["f_bond[20]"][quarter] > 1e-3 and t["f_cem[2]"][quarter] == 0, (t["f_bond[20]"][quarter], t["f_cem[2]"][quarter])
     assert (np.diff(t["f_cem[8]"]) >= 0).all()
-    figures.below(f"{name}: dissipated while unloading and reloading, of all",
-                  (spent[3 * quarter - 2] - spent[quarter + 2]) / spent[-1], 0.1 if "updated" in words else 0.05 if words else 0.02)
+    figures.below(
+        f"{name}: dissipated while unloading and reloading, of all",
+        (spent[3 * quarter - 2] - spent[quarter + 2]) / spent[-1],
+        0.1 if "updated" in words else 0.05 if words else 0.02,
+    )
     empty = slice(2 * quarter - 3, 2 * quarter + 3)
     figures.below(f"{name}: force left at zero opening, of the peak", abs(force[empty]).max() / force.max(), 0.02)
     down, up = slice(quarter + 5, 2 * quarter - 5), slice(2 * quarter + 5, 3 * quarter - 5)
@@ -105,6 +110,7 @@ def test_no_strength(B0, words, tmp_path, figures):
 @pytest.mark.parametrize("B0", [1e20, 1e300])
 def test_all_strength(B0, tmp_path, figures):
     """B0 beyond everything: as without damage, whatever the load."""
+
     def pulled(damage, name):
         script = bond(timestep=f"{DT}", damage=damage) + pull(100.0, 2e-6) + thermo(10, ["f_bond", "f_cem[6]", "f_cem[2]"])
         return run(script + "run 500\n", tmp_path / name).table()
@@ -118,11 +124,15 @@ def test_all_strength(B0, tmp_path, figures):
 def test_flight(words, share, tmp_path, figures):
     """A stress-free pair in flight goes through a few cells: what rounding leaves in it adds up, but does not grow by
     itself, as it does with apic where links need much added mass."""
-    script = bond(f"kinematics updated {words}", timestep=f"auto {share}", boundary="p p p", half_box=(6.5e-3, 6.5e-3, 12e-3),
-                  cement="inner 0 outer 2e-3", gap=2e-4)
+    script = bond(
+        f"kinematics updated {words}", timestep=f"auto {share}", boundary="p p p", half_box=(6.5e-3, 6.5e-3, 12e-3), cement="inner 0 outer 2e-3", gap=2e-4
+    )
     script += "fix motion grains nve/sphere\nvelocity all set 100 70 30 units box\n"
     energy = run(script + thermo(400, ["f_cem[6]"]) + "run 12000\n", tmp_path).table()["f_cem[6]"]
     third = len(energy) // 3
     # positions are rounded in proportion to the path, and errors add up: 27 to 81 times in three times the steps
-    figures.below(f"flight, {words or 'apic'}, timestep auto {share}: elastic energy of the end over that of a third of the way",
-                  energy[-3:].max() / energy[third - 3:third].max(), 200)
+    figures.below(
+        f"flight, {words or 'apic'}, timestep auto {share}: elastic energy of the end over that of a third of the way",
+        energy[-3:].max() / energy[third - 3 : third].max(),
+        200,
+    )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from bonds import BRITTLE, CELL, bond
-from scenes import VTI, edit, pull, run, shift, thermo
+from scenes import VTI, edit, pull, run, thermo
 
 
 def rows(t):
@@ -18,7 +18,8 @@ def test_mass_ratio(ratio, tmp_path, figures):
     script = edit(bond(), "density 2500", f"density {density:.6g}") + (
         "velocity first set 0 0 -1e-3\nvelocity second set 0 0 1e-3\nfix motion grains nve/sphere\n"
         "variable p atom mass*vz\ncompute p grains reduce sum v_p\nvariable p equal c_p+f_cem[15]\n"
-        f"variable P equal \"{density}*{volume_of_grain}*1e-3\"\nvariable drift equal v_p/v_P\n").replace("variable p equal", "variable q equal").replace("v_p/v_P", "v_q/v_P")
+        f'variable P equal "{density}*{volume_of_grain}*1e-3"\nvariable drift equal v_p/v_P\n'
+    ).replace("variable p equal", "variable q equal").replace("v_p/v_P", "v_q/v_P")
     t = run(script + thermo(20, ["v_drift", "f_bond", "f_bond[13]", "f_cem[12]"]) + "run 2000\n", tmp_path).table()
     assert all(np.isfinite(c).all() for c in t.values())
     figures.below(f"mass of a grain {ratio:g} times that of the cement: momentum over that of a grain", abs(t["v_drift"]).max(), 7e-14)
@@ -38,8 +39,12 @@ def pulled(E_scale=1.0):
     """A pull to failure where every stress is E_scale times the usual, and time scales with it."""
     s = E_scale**0.5
     elastic = tuple(e * E_scale if e > 1 else e for e in VTI)
-    return (bond(timestep=f"{2e-8 / s:.15g}", elastic=elastic, damage=f"damage tensor B0 {9.6e6 * E_scale:.15g} cutoff 0.9")
-            + pull(f"{4.0 * s:.15g}", f"{4e-6 / s:.15g}") + thermo(5, ["f_bond", "f_bond[13]", "f_cem[8]", "f_cem[2]"]) + "run 600\n")
+    return (
+        bond(timestep=f"{2e-8 / s:.15g}", elastic=elastic, damage=f"damage tensor B0 {9.6e6 * E_scale:.15g} cutoff 0.9")
+        + pull(f"{4.0 * s:.15g}", f"{4e-6 / s:.15g}")
+        + thermo(5, ["f_bond", "f_bond[13]", "f_cem[8]", "f_cem[2]"])
+        + "run 600\n"
+    )
 
 
 @pytest.mark.parametrize("modulus", [1.0, 1e3, 1e6, 1e12])
@@ -49,8 +54,7 @@ def test_modulus(modulus, tmp_path, figures):
     f = modulus / VTI[0]
     assert usual["f_cem[2]"][-1] > 100
     for column, scale in (("f_bond", f), ("f_bond[13]", 1.0), ("f_cem[8]", f)):
-        figures.below(f"modulus {modulus:g} Pa: {column} after scaling",
-                      abs(other[column] / scale - usual[column]).max() / abs(usual[column]).max(), 1e-9)
+        figures.below(f"modulus {modulus:g} Pa: {column} after scaling", abs(other[column] / scale - usual[column]).max() / abs(usual[column]).max(), 1e-9)
 
 
 # length, mass and time of one SI unit
@@ -61,7 +65,8 @@ def in_units(name):
     L, M, T = UNITS[name]
     pressure, density = M / L / T**2, M / L**3
     box = f"{-6e-3 * L:.15g} {6e-3 * L:.15g}"
-    return f"""\
+    return (
+        f"""\
 units        {name}
 atom_style   mpdem
 atom_modify  map array first grains
@@ -83,7 +88,11 @@ fix          cem calcite mpm cell {CELL * L:.15g} elastic vti {60e9 * pressure:.
 fix          bond grains mpm/couple cem
 group        first id 1
 group        second id 2
-""" + pull(f"{4.0 * L / T:.15g}", f"{4e-6 * T:.15g}") + thermo(5, ["f_bond", "f_bond[13]", "f_cem[8]", "f_cem[2]"]) + "run 600\n"
+"""
+        + pull(f"{4.0 * L / T:.15g}", f"{4e-6 * T:.15g}")
+        + thermo(5, ["f_bond", "f_bond[13]", "f_cem[8]", "f_cem[2]"])
+        + "run 600\n"
+    )
 
 
 @pytest.mark.parametrize("name", ["cgs", "micro"])
@@ -93,12 +102,10 @@ def test_units(name, tmp_path, figures):
     L, M, T = UNITS[name]
     assert si["f_cem[2]"][-1] > 100
     for column, scale in (("f_bond", M * L / T**2), ("f_bond[13]", L), ("f_cem[8]", M * L**2 / T**2)):
-        figures.below(f"units {name}: {column} after scaling",
-                      abs(other[column] / scale - si[column]).max() / abs(si[column]).max(), 3e-9)
+        figures.below(f"units {name}: {column} after scaling", abs(other[column] / scale - si[column]).max() / abs(si[column]).max(), 3e-9)
 
 
-@pytest.mark.parametrize("speed", [400.0, 40.0, 4.0, 0.4, pytest.param(0.04, marks=pytest.mark.long),
-                                   pytest.param(0.004, marks=pytest.mark.long)])
+@pytest.mark.parametrize("speed", [400.0, 40.0, 4.0, 0.4, pytest.param(0.04, marks=pytest.mark.long), pytest.param(0.004, marks=pytest.mark.long)])
 def test_loading_rate(speed, tmp_path, figures):
     """Pulled apart at 400 m/s down to 4 mm/s: energy is kept, the bond breaks. Cement that breaks in a
     few steps needs shorter ones."""

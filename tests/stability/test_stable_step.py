@@ -5,14 +5,13 @@ import pytest
 from bonds import bond, stable_step
 from scenes import edit, launch, pull, run, thermo
 
-WAYS = ["", "basis linear", "basis cubic", "kinematics updated",
-        "kinematics updated transfer flip 0.99", "reproject 1", "quasistatic 100 0.3", "damping 0.1"]
+WAYS = ["", "basis linear", "basis cubic", "kinematics updated", "kinematics updated transfer flip 0.99", "reproject 1", "quasistatic 100 0.3", "damping 0.1"]
 
 FREE = "fix motion grains nve/sphere\n"  # as in the scene of the limit: `quasistatic` damps grains that are moved less
 
 
 def words_of(way):
-    return ({"words": "", "couple": "damping 0.1"} if way == "damping 0.1" else {"words": way})
+    return {"words": "", "couple": "damping 0.1"} if way == "damping 0.1" else {"words": way}
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -35,8 +34,15 @@ def test_time_step(way, tmp_path, figures, long):
 
 
 # kg/m3, options, limits of the imbalance if the force is defined before fix mpm, and after it
-FREE_GRAINS = [(100, "", 1e-6, None), (500, "", 1e-6, 0.05), (1000, "", 1e-6, 0.01), (2500, "", 1e-6, 5e-3), (500, "basis linear", 1e-6, 0.05),
-               (2500, "quasistatic 100 0", 1e-6, None), (2500, "quasistatic 100 0.5", 1e-3, None)]
+FREE_GRAINS = [
+    (100, "", 1e-6, None),
+    (500, "", 1e-6, 0.05),
+    (1000, "", 1e-6, 0.01),
+    (2500, "", 1e-6, 5e-3),
+    (500, "basis linear", 1e-6, 0.05),
+    (2500, "quasistatic 100 0", 1e-6, None),
+    (2500, "quasistatic 100 0.5", 1e-3, None),
+]
 
 
 @pytest.mark.parametrize("density, words, imbalance, later", FREE_GRAINS)
@@ -44,8 +50,11 @@ def test_free_grain(density, words, imbalance, later, tmp_path, figures):
     """A bead that follows its own mass, of any weight against its links, is drawn by a growing force. Added mass, here up to
     a thousand times the bead's, moves with it; forces of fixes that come after fix mpm are those of the step before,
     which is too late for beads lighter than their cement."""
-    script = bond(words, cement="inner 1e-3 outer 4e-3", gap=2e-4) + f"set group second density {density}\n" + (
-        "fix hold first move linear 0 0 0\nfix motion second nve/sphere\n")
+    script = (
+        bond(words, cement="inner 1e-3 outer 4e-3", gap=2e-4)
+        + f"set group second density {density}\n"
+        + ("fix hold first move linear 0 0 0\nfix motion second nve/sphere\n")
+    )
     draw = "group drawn id 2\nvariable F equal step/500\nfix draw drawn addforce 0 0 v_F\n"
     for limit, where, text in ((imbalance, "former", edit(script, "fix          cem", draw + "fix          cem")), (later, "later", script + draw)):
         if limit is None:
@@ -53,15 +62,20 @@ def test_free_grain(density, words, imbalance, later, tmp_path, figures):
         t = run(text + thermo(20, ["f_bond", "v_F", "f_cem[12]"]) + "run 2000\n", tmp_path).table()
         name = f"free bead of {density:g} kg/m3, {words or 'default'}, drawn by a {where} fix"
         figures.below(f"{name}: imbalance of the energy", abs(t["f_cem[12]"][5:]).max(), limit)
-        figures.below(f"{name}: force of the bond against what draws, over its end", abs(t["f_bond"] - t["v_F"]).max() / t["v_F"][-1],
-                      0.05 if "quasistatic" in words else 0.01)
+        figures.below(
+            f"{name}: force of the bond against what draws, over its end",
+            abs(t["f_bond"] - t["v_F"]).max() / t["v_F"][-1],
+            0.05 if "quasistatic" in words else 0.01,
+        )
 
 
 @pytest.mark.parametrize("density, words", [(1000, ""), (2500, "quasistatic 100 0.2")])
 def test_free_component(density, words, tmp_path, figures):
     """`fix move` with NULL: what it leaves to the forces counts as free."""
-    move = ("variable t equal step*dt\nvariable z equal 0.02*v_t*v_t/4e-6\nvariable w equal 0.04*v_t/4e-6\n"
-            "fix hold first move linear 0 0 0\nfix draw second move variable {0} {0} v_z {0} {0} v_w\n")
+    move = (
+        "variable t equal step*dt\nvariable z equal 0.02*v_t*v_t/4e-6\nvariable w equal 0.04*v_t/4e-6\n"
+        "fix hold first move linear 0 0 0\nfix draw second move variable {0} {0} v_z {0} {0} v_w\n"
+    )
     for given in ("NULL", "v_o"):
         script = bond(words, cement="inner 1e-3 outer 4e-3", gap=2e-4) + f"set group second density {density}\nvariable o equal 0\n"
         t = run(script + move.format(given) + thermo(20, ["f_bond", "f_cem[12]"]) + "run 600\n", tmp_path / given).table()

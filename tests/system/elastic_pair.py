@@ -16,14 +16,29 @@ def references():
     return json.loads((VERIFICATION / "bond_stiffness.json").read_text())["cases"]
 
 
-def measure(directory, load, shape, words, cell, gap=0.0, radius=RADIUS, elastic=VTI, axis="global 0 0 1", basis="quadratic",
-            kn="auto", at="surface", duration=16e-6, ranks=1, cracks="bonds"):
+def measure(
+    directory,
+    load,
+    shape,
+    words,
+    cell,
+    gap=0.0,
+    radius=RADIUS,
+    elastic=VTI,
+    axis="global 0 0 1",
+    basis="quadratic",
+    kn="auto",
+    at="surface",
+    duration=16e-6,
+    ranks=1,
+    cracks="bonds",
+):
     """Force per displacement of grain 2 (tension, shear: N/m) or moment per rotation (torsion, bending: N m/rad).
 
     The grain is moved smoothly and then held for a quarter of the time, over which what is left of the vibration
     averages out. Damping of the links removes the vibration that the rotation in 400 intervals excites.
     """
-    timestep = 0.35 * cell / (elastic[1] / 2710)**0.5 * (0.5 if basis == "linear" else 1.0)
+    timestep = 0.35 * cell / (elastic[1] / 2710) ** 0.5 * (0.5 if basis == "linear" else 1.0)
     amount = 1e-8 if load in ("tension", "shear") else 1e-5
     half_box = (radius + 1e-3, radius + 1e-3, 2 * radius + gap / 2 + 1e-3)
     script = pair(cell / 2, gap=gap, cement=words, shape=shape, radius=radius, half_box=half_box)
@@ -42,5 +57,16 @@ def measure_case(directory, case, load, cell, duration=10e-6, **options):
     """The same of a case of the references, bonds stiff enough for 10 us."""
     words = " ".join(f"{w} {case[w]:.15g}" for w in WORDS[case["shape"]])
     axis = "global 0 0 1" if case["axis"] == "z" else case["axis"]
-    return measure(directory, load, case["shape"], words, cell, gap=case["gap"], radius=case["radius"],
-                   elastic=tuple(case["elastic"]), axis=axis, duration=duration, **options)
+    return measure(
+        directory,
+        load,
+        case["shape"],
+        words,
+        cell,
+        gap=case["gap"],
+        radius=case["radius"],
+        elastic=tuple(case["elastic"]),
+        axis=axis,
+        duration=duration,
+        **options,
+    )

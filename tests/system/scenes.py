@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 RADIUS = 5e-3
-VTI = (60e9, 40e9, 0.25, 0.2, 18e9)         # Ep, Ez, nu_p, nu_zp, Gzp
+VTI = (60e9, 40e9, 0.25, 0.2, 18e9)  # Ep, Ez, nu_p, nu_zp, Gzp
 CALCITE = (50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9)
 RING = "inner 1e-3 outer 2e-3"
 PATIENCE = float(os.environ.get("MPDEM_TEST_PATIENCE", 1))  # with sanitizers a run takes many times as long
@@ -59,8 +59,7 @@ def in_cells(words):
     return words + ("" if "film" in words else " film grid" if "inner" in words else " inner auto")
 
 
-def pair(spacing, gap=0.0, direction=(0, 0, 1), cement=RING, half_box=(6e-3, 6e-3, 12.5e-3), shape="flat", radius=RADIUS,
-         **options):
+def pair(spacing, gap=0.0, direction=(0, 0, 1), cement=RING, half_box=(6e-3, 6e-3, 12.5e-3), shape="flat", radius=RADIUS, **options):
     """Two grains, 1 and 2, on `direction` through the origin, and their cement."""
     n = np.array(direction) / np.linalg.norm(direction)
     box = " ".join(f"{-b:.15g} {b:.15g}" for b in half_box)
@@ -68,8 +67,12 @@ def pair(spacing, gap=0.0, direction=(0, 0, 1), cement=RING, half_box=(6e-3, 6e-
     for side in (-1, 1):
         centre = side * (radius + gap / 2) * n + 0.0  # no minus before a zero
         text += f"create_atoms 1 single {' '.join(f'{c:.15g}' for c in centre)} units box\n"
-    return (text + f"set          type 1 diameter {2 * radius} density 2500\ngroup        grains type 1\n"
-            + NEIGHBOURS + f"create_cement calcite pair 1 2 shape {shape} {in_cells(cement)} spacing {spacing:.15g}\n")
+    return (
+        text
+        + f"set          type 1 diameter {2 * radius} density 2500\ngroup        grains type 1\n"
+        + NEIGHBOURS
+        + f"create_cement calcite pair 1 2 shape {shape} {in_cells(cement)} spacing {spacing:.15g}\n"
+    )
 
 
 def restarted(file, **options):
@@ -105,15 +108,13 @@ def _motion(direction, position, speed):
     text = f"variable t equal step*dt\nvariable along equal {position}\nvariable speed equal {speed}\n"
     for name, c in zip("xyz", n):
         text += f"variable d{name} equal {c:.17g}*v_along\nvariable v{name} equal {c:.17g}*v_speed\n"
-    return text + ("fix hold first move linear 0 0 0\n"
-                   "fix pull second move variable v_dx v_dy v_dz v_vx v_vy v_vz\n")
+    return text + ("fix hold first move linear 0 0 0\n" "fix pull second move variable v_dx v_dy v_dz v_vx v_vy v_vz\n")
 
 
 def shift(distance, duration, direction=(0, 0, 1)):
     """Moves grain 2 by `distance`, without a jump in velocity or acceleration."""
     x = f"(v_t/{duration})"
-    return _motion(direction, f'"{distance}*({x}-sin(2*PI*{x})/2/PI)"',
-                   f'"{distance}/{duration}*(1-cos(2*PI*{x}))"')
+    return _motion(direction, f'"{distance}*({x}-sin(2*PI*{x})/2/PI)"', f'"{distance}/{duration}*(1-cos(2*PI*{x}))"')
 
 
 def pull(speed, ramp, direction=(0, 0, 1)):
@@ -121,7 +122,8 @@ def pull(speed, ramp, direction=(0, 0, 1)):
     return _motion(
         direction,
         f'"(v_t<{ramp})*0.5*{speed}*(v_t-{ramp}/PI*sin(PI*v_t/{ramp}))+(v_t>={ramp})*{speed}*(v_t-0.5*{ramp})"',
-        f'"(v_t<{ramp})*0.5*{speed}*(1-cos(PI*v_t/{ramp}))+(v_t>={ramp})*{speed}"')
+        f'"(v_t<{ramp})*0.5*{speed}*(1-cos(PI*v_t/{ramp}))+(v_t>={ramp})*{speed}"',
+    )
 
 
 # Component of omega of grain 2, and what of the bond is measured, by load.
@@ -141,20 +143,23 @@ def deform(load, amount, duration, timestep, distance, parts=400):
     x = f"(v_t/{steps * timestep:.17g})"
     turned, rate = f"{amount}*({x}-sin(2*PI*{x})/2/PI)", f"{amount}/{steps * timestep:.17g}*(1-cos(2*PI*{x}))"
     half = 0.5 * distance
-    measured = {"tension": "-f_bond[9]", "shear": "-f_bond[7]", "torsion": "-f_bond[12]",
-                "bending": f"-f_bond[11]-{half}*f_bond[7]"}[load]
+    measured = {"tension": "-f_bond[9]", "shear": "-f_bond[7]", "torsion": "-f_bond[12]", "bending": f"-f_bond[11]-{half}*f_bond[7]"}[load]
     along = {"tension": ("z", 1.0), "shear": ("x", 1.0), "bending": ("x", half), "torsion": ("z", 0.0)}[load]
     d = {"x": "NULL", "y": "NULL", "z": "NULL", along[0]: "v_d"}
     v = {"x": "NULL", "y": "NULL", "z": "NULL", along[0]: "v_v"}
-    text = (f'variable t equal step*dt\nvariable d equal "{along[1]}*({turned})"\nvariable v equal "{along[1]}*({rate})"\n'
-            f"variable load equal {measured}\nfix hold first move linear 0 0 0\n"
-            f"fix pull second move variable {' '.join(d.values())} {' '.join(v.values())}\n")
+    text = (
+        f'variable t equal step*dt\nvariable d equal "{along[1]}*({turned})"\nvariable v equal "{along[1]}*({rate})"\n'
+        f"variable load equal {measured}\nfix hold first move linear 0 0 0\n"
+        f"fix pull second move variable {' '.join(d.values())} {' '.join(v.values())}\n"
+    )
     if load not in TURNS:
         return text + f"run {steps}\n"
     rate = rate.replace("v_t", "v_middle")
-    return (text + f'variable middle equal v_t+{0.5 * every}*dt\nvariable omega atom "{rate}"\n'
-            f"set group second {TURNS[load]} v_omega\n"
-            f'run {steps} pre no post no every {every} "set group second {TURNS[load]} v_omega"\nset group second {TURNS[load]} 0\n')
+    return (
+        text + f'variable middle equal v_t+{0.5 * every}*dt\nvariable omega atom "{rate}"\n'
+        f"set group second {TURNS[load]} v_omega\n"
+        f'run {steps} pre no post no every {every} "set group second {TURNS[load]} v_omega"\nset group second {TURNS[load]} 0\n'
+    )
 
 
 # A free pair that rotates about y and flies; it needs a gap wide enough for no contact.
@@ -187,9 +192,9 @@ MOMENTUM_COLUMNS = ["v_Px", "v_Py", "v_Pz", "v_Lx", "v_Ly", "v_Lz"]
 
 def thermo(every, columns):
     """Names of the table are those of the columns as written here."""
-    return (f"thermo_style custom step {' '.join(columns)}\n"
-            f"thermo_modify format float %.17g\nthermo {every}\n"
-            f"print \"COLUMNS step {' '.join(columns)}\"\n")
+    return (
+        f"thermo_style custom step {' '.join(columns)}\n" f"thermo_modify format float %.17g\nthermo {every}\n" f"print \"COLUMNS step {' '.join(columns)}\"\n"
+    )
 
 
 def point_quantities(names, group="calcite"):
@@ -199,8 +204,7 @@ def point_quantities(names, group="calcite"):
 def dump(every, columns, file="points.*.txt", group="calcite"):
     columns = ["id"] + list(columns)
     formats = " ".join(["%d"] + ["%.17g"] * (len(columns) - 1))
-    return (f"dump points {group} custom {every} {file} {' '.join(columns)}\n"
-            f'dump_modify points sort id format "{formats}"\n')
+    return f"dump points {group} custom {every} {file} {' '.join(columns)}\n" f'dump_modify points sort id format "{formats}"\n'
 
 
 # ------------------------------------------------------------------------ running them
@@ -261,11 +265,9 @@ def start(script, directory, ranks=1, program=None, name="in.test", arguments=()
     command = [program or executable(), "-in", name, *arguments]
     if ranks > 1:
         # Waiting ranks yield, or a busy machine would take many times as long.
-        command = ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1",
-                   "-np", str(ranks), *command]
+        command = ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1", "-np", str(ranks), *command]
     with open(directory / f"{name}.out", "w") as out:
-        return subprocess.Popen(command, cwd=directory, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-                                start_new_session=True)
+        return subprocess.Popen(command, cwd=directory, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, start_new_session=True)
 
 
 def launch(script, directory, ranks=1, name="in.test", minutes=5, **options):

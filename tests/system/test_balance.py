@@ -18,10 +18,15 @@ LOADS = tuple(f"{what}{axis}{grain}" for what in "fm" for grain in (1, 2) for ax
 def beads(boundary="f f f", processors="1 1 2", speed=0.8):
     places = [[2 * RADIUS * k for k in (n % SIDE, n // SIDE % SIDE, n // SIDE**2)] for n in range(SIDE**3)]
     atoms = "".join(f"create_atoms 1 single {x} {y} {z} units box\n" for x, y, z in places)
-    return (host(boundary=boundary, processors=processors) + f"region box block {LOW} {HIGH} {LOW} {HIGH} {LOW} {TOP} units box\ncreate_box 2 box\n" + atoms
-            + f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
-            + f"create_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 inner auto spacing {CELL / 2}\n"
-            + f'variable vx atom "{speed}*x/0.02"\nvelocity grains set v_vx 0 0\n')
+    return (
+        host(boundary=boundary, processors=processors)
+        + f"region box block {LOW} {HIGH} {LOW} {HIGH} {LOW} {TOP} units box\ncreate_box 2 box\n"
+        + atoms
+        + f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n"
+        + NEIGHBOURS
+        + f"create_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 inner auto spacing {CELL / 2}\n"
+        + f'variable vx atom "{speed}*x/0.02"\nvelocity grains set v_vx 0 0\n'
+    )
 
 
 def cement(balance, words=""):
@@ -52,8 +57,10 @@ def fewest(output):
     return float(least) / float(mean)
 
 
-@pytest.mark.parametrize("ranks, processors, speed, words", [
-    (2, "1 1 2", 0.8, ""), (4, "2 1 2", 0.8, ""), (2, "1 1 2", 1.5, "cracks split regularization nonlocal 8e-4"), (2, "1 1 2", 0.8, "kinematics updated")])
+@pytest.mark.parametrize(
+    "ranks, processors, speed, words",
+    [(2, "1 1 2", 0.8, ""), (4, "2 1 2", 0.8, ""), (2, "1 1 2", 1.5, "cracks split regularization nonlocal 8e-4"), (2, "1 1 2", 0.8, "kinematics updated")],
+)
 def test_same_answer(ranks, processors, speed, words, tmp_path, figures):
     found = {}
     for balance in ("no", "yes"):
@@ -64,12 +71,15 @@ def test_same_answer(ranks, processors, speed, words, tmp_path, figures):
         found[balance] = (result, np.array([[float(row[k]) for k in numbers] for row in rows]), [(e[0], e[2]) for e in table(folder, "events.csv")[1]])
     (result, plain, events), (balanced_result, balanced, balanced_events) = found["no"], found["yes"]
     assert not told(result.output)
-    (now, most, bonds), = told(balanced_result.output)
+    ((now, most, bonds),) = told(balanced_result.output)
     places, balanced_places = result.points(400), balanced_result.points(400)
     assert fewest(result.output) < 0.1 < 0.8 < fewest(balanced_result.output), "points went to other ranks"
     assert (places["id"] == balanced_places["id"]).all()
-    figures.below(f"{ranks} ranks {processors} {words}: places of the points at the end, over a cell",
-                  max(np.abs(places[k] - balanced_places[k]).max() for k in "xyz") / CELL, 1e-3)
+    figures.below(
+        f"{ranks} ranks {processors} {words}: places of the points at the end, over a cell",
+        max(np.abs(places[k] - balanced_places[k]).max() for k in "xyz") / CELL,
+        1e-3,
+    )
     assert bonds > 5 and most > 1.5
     figures.below(f"{ranks} ranks {processors} {words}: largest work of a rank over the mean, balanced", now, 1.1)
     assert len(events) > 100 and events == balanced_events, "the same points fail at the same steps"
@@ -78,11 +88,19 @@ def test_same_answer(ranks, processors, speed, words, tmp_path, figures):
     assert balanced.shape == plain.shape
     largest = np.abs(plain[before][:, :6]).max()
     of_force, of_moment = (np.abs(balanced - plain)[before][:, k].max() for k in (slice(0, 6), slice(6, 12)))
-    figures.below(f"{ranks} ranks {processors} {words}: loads up to the first failure, over the largest force", max(of_force, of_moment / RADIUS) / largest, 1e-9)
+    figures.below(
+        f"{ranks} ranks {processors} {words}: loads up to the first failure, over the largest force", max(of_force, of_moment / RADIUS) / largest, 1e-9
+    )
 
 
-@pytest.mark.parametrize("runs", ["run 200\nwrite_restart half.200\nrun 200\n", 'run 400 every 200 "write_restart half.*"\n',
-                                  "run 200\nset group grains density 2500\nwrite_restart half.200\nrun 200\n"])
+@pytest.mark.parametrize(
+    "runs",
+    [
+        "run 200\nwrite_restart half.200\nrun 200\n",
+        'run 400 every 200 "write_restart half.*"\n',
+        "run 200\nset group grains density 2500\nwrite_restart half.200\nrun 200\n",
+    ],
+)
 def test_restart(runs, tmp_path):
     """A run that goes on from a file written between two runs, within one, or after a command that returns points to the ranks of their positions, is
     bitwise identical to the run itself; on one rank it has the same events."""
@@ -94,7 +112,11 @@ def test_restart(runs, tmp_path):
     for ranks in (2, 1):
         folder = tmp_path / f"on_{ranks}"
         folder.mkdir()
-        out = run(host(processors="1 1 2" if ranks == 2 else "* * *") + "read_restart ../half.200\n" + NEIGHBOURS + cement("balance yes") + books + "run 200\n", folder, ranks).output
+        out = run(
+            host(processors="1 1 2" if ranks == 2 else "* * *") + "read_restart ../half.200\n" + NEIGHBOURS + cement("balance yes") + books + "run 200\n",
+            folder,
+            ranks,
+        ).output
         if ranks == 1:
             assert [(e[0], e[2]) for e in events if int(e[0]) > 200] == [(e[0], e[2]) for e in table(folder, "events.csv")[1] if int(e[0]) > 200]
             continue
@@ -125,14 +147,17 @@ def test_four_subdomains_in_a_row(boundary, tmp_path):
     assert len(of_plain) > 100 and of_plain == of_balanced
     folder = tmp_path / "given_up"
     folder.mkdir()
-    out = run(host(boundary=boundary, processors="1 1 4") + "read_restart ../yes/half.200\n" + NEIGHBOURS + cement("balance no") + "run 200\n", folder, 4).output
+    out = run(
+        host(boundary=boundary, processors="1 1 4") + "read_restart ../yes/half.200\n" + NEIGHBOURS + cement("balance no") + "run 200\n", folder, 4
+    ).output
     assert most_atoms(out) == most_atoms(plain.output), "points are with the ranks of their places"
     assert [(e[0], e[2]) for e in table(folder, "events.csv")[1] if int(e[0]) > 200] == [e for e in of_plain if int(e[0]) > 200]
 
 
-@pytest.mark.parametrize("words, boundary, message", [
-    ("balance maybe", "f f f", "'balance maybe'"),
-    ("balance yes", "f f s", "along z follows the atoms; use 'boundary' with f or p, or 'balance no'")])
+@pytest.mark.parametrize(
+    "words, boundary, message",
+    [("balance maybe", "f f f", "'balance maybe'"), ("balance yes", "f f s", "along z follows the atoms; use 'boundary' with f or p, or 'balance no'")],
+)
 def test_bad_input(words, boundary, message, tmp_path):
     failed = launch(beads(boundary=boundary) + cement(words) + "run 10\n", tmp_path, 2)
     assert failed.status != 0 and any(message in e for e in failed.errors()), failed.output[-2000:]

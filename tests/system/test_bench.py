@@ -13,13 +13,13 @@ from scenes import PATIENCE
 ROOT = Path(__file__).parents[2]
 BUILD = Path(os.environ.get("MPDEM_EXE", "build/liggghts-mpdem")).resolve().parent
 
-pytestmark = pytest.mark.skipif(not (BUILD / "bench" / "accuracy").exists(),
-                                reason="benchmarks not built (cmake -DMPDEM_BENCH=ON)")
+pytestmark = pytest.mark.skipif(not (BUILD / "bench" / "accuracy").exists(), reason="benchmarks not built (cmake -DMPDEM_BENCH=ON)")
 
 
 def report(*arguments):
-    return subprocess.run([sys.executable, str(ROOT / "tools" / "bench_report.py"), "--build", str(BUILD), *arguments],
-                          capture_output=True, text=True, timeout=300 * PATIENCE)
+    return subprocess.run(
+        [sys.executable, str(ROOT / "tools" / "bench_report.py"), "--build", str(BUILD), *arguments], capture_output=True, text=True, timeout=300 * PATIENCE
+    )
 
 
 def test_short_run(tmp_path, figures):

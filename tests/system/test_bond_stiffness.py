@@ -12,8 +12,13 @@ import pytest
 from elastic_pair import VERIFICATION, measure_case, references
 
 CASES = references()
-ACROSS = {"meniscus across a gap": 2e-3, "meniscus at 30 degrees": 2e-3, "meniscus of touching beads": 0.8e-3,
-          "coating that ends at its ring": 1.24e-3, "coating": 1.24e-3}
+ACROSS = {
+    "meniscus across a gap": 2e-3,
+    "meniscus at 30 degrees": 2e-3,
+    "meniscus of touching beads": 0.8e-3,
+    "coating that ends at its ring": 1.24e-3,
+    "coating": 1.24e-3,
+}
 
 
 @pytest.mark.parametrize("tool", ["axisymmetric_fe.py", "bond_fe.py"])
@@ -26,6 +31,7 @@ def test_finite_elements_themselves(tool):
 def test_references_are_of_this_solver():
     """The stored figures are what the tool gives for the cases stored with them; three meshes tell."""
     from bond_fe import solve_case
+
     for name, case in CASES.items():
         for load, (_, value, uncertainty) in solve_case(case, case["stiffness"], levels=3).items():
             stored = case["stiffness"][load]
@@ -33,17 +39,23 @@ def test_references_are_of_this_solver():
             assert abs(value - stored["value"]) < 3 * uncertainty + 1e-8 * value, f"{name}, {load}: {value} +- {uncertainty}"
 
 
-@pytest.mark.parametrize("name, load", [pytest.param(name, load, marks=[pytest.mark.long] if load in ("shear", "torsion") and "meniscus" not in name else [])
-                                        for name in ACROSS for load in CASES[name]["stiffness"]])
+@pytest.mark.parametrize(
+    "name, load",
+    [
+        pytest.param(name, load, marks=[pytest.mark.long] if load in ("shear", "torsion") and "meniscus" not in name else [])
+        for name in ACROSS
+        for load in CASES[name]["stiffness"]
+    ],
+)
 def test_eight_cells_across(name, load, tmp_path, figures):
     error = measure_case(tmp_path, CASES[name], load, ACROSS[name] / 8) / CASES[name]["stiffness"][load]["value"] - 1
     figures.note(f"{name}, {load}: signed error of the stiffness", f"{error:+.4f}")
     figures.below(f"{name}, {load}: error of the stiffness, 8 cells across the neck", abs(error), 0.02)
 
 
-@pytest.mark.parametrize("name, coarse, fine", [("meniscus across a gap", 2.5e-4, 1e-4),
-                                                ("meniscus of touching beads", 2e-4, 1e-4),
-                                                ("coating that ends at its ring", 2e-4, 1e-4)])
+@pytest.mark.parametrize(
+    "name, coarse, fine", [("meniscus across a gap", 2.5e-4, 1e-4), ("meniscus of touching beads", 2e-4, 1e-4), ("coating that ends at its ring", 2e-4, 1e-4)]
+)
 def test_finer_cells(name, coarse, fine, tmp_path, figures):
     """Signs differ, so there is no order to be read off two of them; at order 2 the error would fall to 0.16 to 0.25."""
     exact = CASES[name]["stiffness"]["shear"]["value"]

@@ -11,7 +11,7 @@ from scenes import cement, pair, restarted, run, thermo
 
 CELL, STEP, CHECK = 6e-4, 4.66382e-8, 100
 EVERY = 10
-MOVED = f"""\
+MOVED = """\
 variable t equal step*dt
 variable s equal "(v_t<1e-5)*0.02*(v_t-1e-5/PI*sin(PI*v_t/1e-5))+(v_t>=1e-5)*0.04*(v_t-0.5e-5)"
 variable w equal "(v_t<1e-5)*0.02*(1-cos(PI*v_t/1e-5))+(v_t>=1e-5)*0.04"
@@ -22,8 +22,13 @@ SCALARS = ["f_bond[7]", "f_bond[22]", "f_bond[23]", "f_bond[24]", "f_bond[38]", 
 
 
 def sheared():
-    return (cement(CELL, STEP, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 cracks bonds check {CHECK}",
-                   couple=f"kn auto kt auto csv {EVERY} bond.csv") + MOVED + thermo(EVERY, SCALARS))
+    return (
+        cement(
+            CELL, STEP, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 cracks bonds check {CHECK}", couple=f"kn auto kt auto csv {EVERY} bond.csv"
+        )
+        + MOVED
+        + thermo(EVERY, SCALARS)
+    )
 
 
 START = pair(CELL / 2, shape="meniscus", cement="content 0.05", half_box=(12e-3, 12e-3, 20e-3))
@@ -78,8 +83,11 @@ def test_broken_without_being_in_two(whole, figures):
     assert (shares[step < since] == 0).all() and (shares[step >= since] > 0).all()
     modes = {int(r["step"]): r["mode"] for r in rows(whole.directory)}
     assert {m for s, m in modes.items() if s < since} == {"intact"} and "intact" not in {m for s, m in modes.items() if s >= since}
-    told = re.findall(r"bond 1 of grains 1 and 2: (\w+), \d+ points failed, and less than 1 % of its largest load is left since step (\d+) though "
-                      r"(\d+) of (\d+) points of its weakest section hold; of the separating surface", whole.output)[-1]
+    told = re.findall(
+        r"bond 1 of grains 1 and 2: (\w+), \d+ points failed, and less than 1 % of its largest load is left since step (\d+) though "
+        r"(\d+) of (\d+) points of its weakest section hold; of the separating surface",
+        whole.output,
+    )[-1]
     assert told[0] == modes[since] and int(told[1]) == since - EVERY and 0 < int(told[2]) < int(told[3])
     window = 2 * CHECK  # 4 l over the speed of shear waves are 152 steps
     mean = abs(t["f_bond[7]"][(step > since - EVERY - window) & (step < since)].mean())
@@ -91,7 +99,11 @@ def test_after_a_restart(whole, tmp_path, figures):
     alone, on = goes_on(whole, tmp_path)
     for name in SCALARS[1:]:
         assert (alone[name] == on[name]).all(), name
-    figures.below("sheared meniscus, restart before it is broken: force over the largest", abs(alone["f_bond[7]"] - on["f_bond[7]"]).max() / abs(whole.table()["f_bond[7]"]).max(), 3e-12)
+    figures.below(
+        "sheared meniscus, restart before it is broken: force over the largest",
+        abs(alone["f_bond[7]"] - on["f_bond[7]"]).max() / abs(whole.table()["f_bond[7]"]).max(),
+        3e-12,
+    )
 
 
 def test_on_ranks(whole, tmp_path, figures):

@@ -67,9 +67,11 @@ fix          shade all property/atom shade vector yes no no 8 9
 """
 MOTION = "fix motion free nve/sphere\nfix g all gravity 9.81 vector 0 0 -1\n"
 SHAPE = "shape meniscus neck 4e-4 inner auto spacing 5e-5"
-FORMS = {"contacts": f"create_cement calcite contacts grains gap 1e-5 {SHAPE}\n",
-         "pair": f"create_cement calcite pair 1 2 {SHAPE}\n",
-         "file": "create_cement calcite pair 1 2 file points.txt spacing 5e-5\n"}
+FORMS = {
+    "contacts": f"create_cement calcite contacts grains gap 1e-5 {SHAPE}\n",
+    "pair": f"create_cement calcite pair 1 2 {SHAPE}\n",
+    "file": "create_cement calcite pair 1 2 file points.txt spacing 5e-5\n",
+}
 MPM = """\
 fix          cem calcite mpm cell 1e-4 elastic isotropic 1e8 0.25 damage tensor B0 7e3 cutoff 0.9
 fix          bond grains mpm/couple cem
@@ -99,9 +101,17 @@ def meshes(directory):
     (directory / "plate.stl").write_text(TILE.format(z=0.0037))
 
 
-@pytest.mark.parametrize("ranks, model, form, cement_first", [
-    (1, "hertz", "contacts", True), (1, "hooke", "contacts", False), (2, "hertz", "contacts", False), (2, "hooke", "contacts", True),
-    (2, "hertz", "file", True), (1, "hertz", "pair", True)])
+@pytest.mark.parametrize(
+    "ranks, model, form, cement_first",
+    [
+        (1, "hertz", "contacts", True),
+        (1, "hooke", "contacts", False),
+        (2, "hertz", "contacts", False),
+        (2, "hooke", "contacts", True),
+        (2, "hertz", "file", True),
+        (1, "hertz", "pair", True),
+    ],
+)
 def test_as_in_one_run(tmp_path, ranks, model, form, cement_first):
     """Bitwise identical: grains, points, histories of contacts, and values of fixes, wherever in the script the cement is made."""
     whole, part = tmp_path / "whole", tmp_path / "part"
@@ -110,8 +120,7 @@ def test_as_in_one_run(tmp_path, ranks, model, form, cement_first):
     setup = MODEL.format(model=model)
     fixes = WALLS.format(model=model) + VALUES
     cement = FORMS[form]
-    settle = (start(ranks) + GRAINS + NEIGHBOURS + setup + fixes + MOTION + "run 100\nset group grains property/atom tint 3\n"
-              "run 100\nwrite_restart r.bin\n")
+    settle = start(ranks) + GRAINS + NEIGHBOURS + setup + fixes + MOTION + "run 100\nset group grains property/atom tint 3\n" "run 100\nwrite_restart r.bin\n"
     if form == "file":
         run(settle + FORMS["pair"] + "write_cement points.txt\n", whole, ranks)
         (part / "points.txt").write_text((whole / "points.txt").read_text())
@@ -138,7 +147,7 @@ def test_servo(tmp_path, ranks):
         meshes(tmp_path / name)
     fixes = MODEL.format(model="hertz") + SERVO + edit(WALLS.format(model="hertz"), "1 meshes floor", "2 meshes floor plate") + VALUES + MOTION
     cement = FORMS["contacts"]
-    table = "thermo_style custom step f_plate[3] f_plate[9]\nthermo_modify format float %.17g\nthermo 20\nprint \"COLUMNS step force z\"\n"
+    table = 'thermo_style custom step f_plate[3] f_plate[9]\nthermo_modify format float %.17g\nthermo 20\nprint "COLUMNS step force z"\n'
     first = start(ranks) + GRAINS + NEIGHBOURS + fixes + "run 200\nwrite_restart bare.bin\n" + cement + "write_restart cemented.bin\n"
     run(first, tmp_path / "with", ranks)
     second = OUTPUT + MPM + table + "run 100\n"
@@ -159,12 +168,12 @@ def test_bad_state_of_fixes(tmp_path):
     run(start(1) + GRAINS + NEIGHBOURS + fixes + MOTION + "run 10\nwrite_restart r.bin\n", tmp_path)
     data = (tmp_path / "r.bin").read_bytes()[:-40]
     at = data.index(b"MPDEMrst")
-    data = data[:at + 24] + bytes(4) + data[at + 28:]  # of a program that writes no seal
+    data = data[: at + 24] + bytes(4) + data[at + 28 :]  # of a program that writes no seal
     state = np.array([2.0, 7.0, 3.0, 8.0, 9.0]).tobytes()  # tint and shade
     places = [i for i in range(len(data)) if data.startswith(state, i)]
     assert len(places) == 4
     for bad in (0.0, -2.0, 1e9, np.nan):
-        broken = data[:places[1]] + np.array([bad]).tobytes() + data[places[1] + 8:]
+        broken = data[: places[1]] + np.array([bad]).tobytes() + data[places[1] + 8 :]
         (tmp_path / "r.bin").write_bytes(broken)
         result = launch(start(1) + "read_restart r.bin\n" + NEIGHBOURS + FORMS["pair"], tmp_path)
         assert result.status != 0 and "the state of fixes is not as long" in result.errors()[0]

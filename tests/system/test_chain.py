@@ -90,7 +90,9 @@ def test_ids_that_change(ranks, points, tmp_path):
 def test_fragments_that_close_make_no_energy(words, step, tmp_path, figures):
     """Long after bonds separated, fragments are squeezed and torn to any shape. With `unilateral yes` they are stiff where they close. One bond crosses the end of the box."""
     places = [(0, 0, -0.003), (0, 0, 0.001), (0, 1e-4, 0.005), (0.004, 0, -0.003)]
-    script = edit(chain(places, f"unilateral yes timestep auto {step} {words}", "overlap skip", upper=0.007), "boundary     f f f", "boundary     p p p") + DRAGGED
+    script = (
+        edit(chain(places, f"unilateral yes timestep auto {step} {words}", "overlap skip", upper=0.007), "boundary     f f f", "boundary     p p p") + DRAGGED
+    )
     t = run(script + "fix g all gravity 9.81 vector 1 0 0\n" + thermo(100, ["f_cem[2]", "f_cem[12]", "f_cem[19]"]) + "run 3000\n", tmp_path).table()
     assert t["f_cem[2]"][-1] > 200 and t["f_cem[19]"][-1] >= 3
     figures.below(f"{words} step {step}: energy imbalance", abs(t["f_cem[12]"]).max(), 0.01)

@@ -25,8 +25,15 @@ COSTS = {
     "interface_brittle": (["coupling"], {"coupling/traction_laws.h": LIST}),
     "shape_notch": (["geometry"], {"geometry/shape_styles.cpp": (1, 0)}),
     # a mechanism of bonds: its field, its row, what it excludes, the include and the line that makes it
-    "fix_mpm_drag": (["mpm", "coupling", "cement"], {"cement/bond/options.h": (1, 0), "styles/words/fix_mpm_words.cpp": (1, 0), "styles/words/word_rules.cpp": (1, 0),
-                                                     "cement/layout/mechanisms.cpp": (2, 0)}),
+    "fix_mpm_drag": (
+        ["mpm", "coupling", "cement"],
+        {
+            "cement/bond/options.h": (1, 0),
+            "styles/words/fix_mpm_words.cpp": (1, 0),
+            "styles/words/word_rules.cpp": (1, 0),
+            "cement/layout/mechanisms.cpp": (2, 0),
+        },
+    ),
 }
 
 
@@ -113,7 +120,10 @@ def test_what_costs_more_is_found(tmp_path):
     (tmp_path / "a.patch").write_text(PATCH)
     files = touched(tmp_path / "a.patch")
     assert {path: (t.new, t.added, t.removed) for path, t in files.items()} == {
-        f"{PACKAGE}/material/laws.h": (False, 1, 1), f"{PACKAGE}/material/new.h": (True, 2, 0), "tests/system/test_new.py": (True, 1, 0)}
+        f"{PACKAGE}/material/laws.h": (False, 1, 1),
+        f"{PACKAGE}/material/new.h": (True, 2, 0),
+        "tests/system/test_new.py": (True, 1, 0),
+    }
     assert not against_the_costs("damage_linear", files)
     assert len(against_the_costs("interface_brittle", files)) == 3
     files[f"{PACKAGE}/material/laws.h"].added = 3

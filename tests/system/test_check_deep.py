@@ -27,8 +27,10 @@ def repository(tmp_path):
 def test_goes_on(repository, capsys):
     """Pieces that passed are kept while the files are the same; one that fails is run again, and is told."""
     ran, folder = repository.parent / "ran", repository / "build" / "check-deep"
-    pieces = {name: f"echo {name} >> {ran}; {then}" for name, then in
-              (("test", "true"), ("broken", f"echo the reason; test -e {ran}.mended"), ("last", "echo told > build/out"))}
+    pieces = {
+        name: f"echo {name} >> {ran}; {then}"
+        for name, then in (("test", "true"), ("broken", f"echo the reason; test -e {ran}.mended"), ("last", "echo told > build/out"))
+    }
 
     def run():
         ran.write_text("")
@@ -77,8 +79,10 @@ def test_status(tmp_path):
 
 
 def test_what_it_runs_ends_with_it(tmp_path):
-    waits = f"import check_deep, pathlib, signal, sys; signal.signal(signal.SIGTERM, lambda *_: sys.exit(3)); " \
-            f"check_deep.passes('sleep 100 & echo $! > pid; mv pid there; wait', pathlib.Path({str(tmp_path)!r}), {str(tmp_path / 'out')!r})"
+    waits = (
+        f"import check_deep, pathlib, signal, sys; signal.signal(signal.SIGTERM, lambda *_: sys.exit(3)); "
+        f"check_deep.passes('sleep 100 & echo $! > pid; mv pid there; wait', pathlib.Path({str(tmp_path)!r}), {str(tmp_path / 'out')!r})"
+    )
     process = subprocess.Popen([sys.executable, "-c", waits], cwd=ROOT / "tools")
     there = tmp_path / "there"
     for _ in range(200):

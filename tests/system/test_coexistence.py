@@ -32,8 +32,10 @@ def section(title):
 def with_columns(script, columns, every):
     """Names of the table are those of the columns as written here."""
     style = re.search(r"^thermo_style .*\nthermo .*\n", script, re.M)[0]
-    return script.replace(style, f"thermo_style custom step {' '.join(columns)}\nthermo_modify format float %.17g\n"
-                                 f"thermo {every}\nprint \"COLUMNS step {' '.join(columns)}\"\n")
+    return script.replace(
+        style,
+        f"thermo_style custom step {' '.join(columns)}\nthermo_modify format float %.17g\n" f"thermo {every}\nprint \"COLUMNS step {' '.join(columns)}\"\n",
+    )
 
 
 def start_in(directory):
@@ -60,8 +62,9 @@ def column(name, bond=1):
     return name.format(bond=bond)
 
 
-COLUMNS = (["time", "atoms", "ke", "f_cem[12]", "f_cem[11]", "f_cem[8]", "f_cem[7]", "f_tray[3]"]
-           + [column(n, b) for b in (1, 2) for n in (TENSION, FAILED, SEPARATED)])
+COLUMNS = ["time", "atoms", "ke", "f_cem[12]", "f_cem[11]", "f_cem[8]", "f_cem[7]", "f_tray[3]"] + [
+    column(n, b) for b in (1, 2) for n in (TENSION, FAILED, SEPARATED)
+]
 # How many inserted beads touch another bead, and how low the lowest is.
 CONTACTS = """\
 compute      touching free contact/atom
@@ -98,13 +101,11 @@ def test_through_failure(ranks, tmp_path, figures):
     assert table["v_touched"].max() >= 2, "inserted beads touch nothing"
     peak = table[column(TENSION)].max()
     figures.note(f"rain, {ranks} rank(s): peak force of the pulled pair", f"{peak:.4g} N")
-    figures.below(f"rain, {ranks} rank(s): pulled pair at the end, over the peak",
-                  abs(table[column(TENSION)][-20:].mean()) / peak, 0.02)
+    figures.below(f"rain, {ranks} rank(s): pulled pair at the end, over the peak", abs(table[column(TENSION)][-20:].mean()) / peak, 0.02)
     working = table["f_cem[11]"] > 0.01 * table["f_cem[11]"].max()  # before, it is relative to almost nothing
     figures.below(f"rain, {ranks} rank(s): energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 1e-4)
     # The smaller beads have a radius of 1 mm; walls as soft as these yield a little.
-    figures.below(f"rain, {ranks} rank(s): how deep a bead sinks into the floor, over its radius",
-                  (1e-3 - table["v_lowest"].min()) / 1e-3, 0.15)
+    figures.below(f"rain, {ranks} rank(s): how deep a bead sinks into the floor, over its radius", (1e-3 - table["v_lowest"].min()) / 1e-3, 0.15)
 
 
 def test_what_is_far_changes_nothing(tmp_path, figures):
@@ -112,9 +113,11 @@ def test_what_is_far_changes_nothing(tmp_path, figures):
     ranks = 2
     script = faster(shorter(alone(SCRIPT), 8000))
     columns = [column(n) for n in (TENSION, FAILED)] + ["f_bond[13]", "f_cem[8]"]
-    last = ("compute radius free property/atom radius\n"
-            "dump beads free custom 8000 beads.*.txt id x y z vx vy vz omegax omegay omegaz fx fy fz\n"
-            'dump_modify beads sort id format "%d' + 12 * " %.17g" + '"\n')
+    last = (
+        "compute radius free property/atom radius\n"
+        "dump beads free custom 8000 beads.*.txt id x y z vx vy vz omegax omegay omegaz fx fy fz\n"
+        'dump_modify beads sort id format "%d' + 12 * " %.17g" + '"\n'
+    )
     busy = run(with_columns(edit(script, RUN, last + RUN), columns, 40), start_in(tmp_path / "busy"), ranks)
     quiet = script.replace(section("insertion"), "")
     for line in re.findall(r"^fix +(?:tray|wall) .*\n", quiet, re.M):
@@ -124,10 +127,8 @@ def test_what_is_far_changes_nothing(tmp_path, figures):
     assert p[column(FAILED)][-1] > 200
     force, intact = q[column(TENSION)], q[column(FAILED)] == 0
     difference = abs(p[column(TENSION)] - force) / force.max()
-    figures.below(f"bond with rain and tray against without, {ranks} rank(s), while intact: force over the peak",
-                  difference[intact].max(), 1e-10)
-    figures.below(f"bond with rain and tray against without, {ranks} rank(s), to the end: force over the peak",
-                  difference.max(), 1e-10)
+    figures.below(f"bond with rain and tray against without, {ranks} rank(s), while intact: force over the peak", difference[intact].max(), 1e-10)
+    figures.below(f"bond with rain and tray against without, {ranks} rank(s), to the end: force over the peak", difference.max(), 1e-10)
     assert (p[column(FAILED)] == q[column(FAILED)]).all()
 
     stock = shutil.which("liggghts", path="/usr/bin:/usr/local/bin")
@@ -143,8 +144,9 @@ def test_what_is_far_changes_nothing(tmp_path, figures):
     for vector in ("xyz", ("vx", "vy", "vz"), ("omegax", "omegay", "omegaz"), ("fx", "fy", "fz")):
         a, b = (np.array([of[c] for c in vector]) for of in (ours, theirs))
         assert abs(b).max() > 0
-        figures.below(f"beads beside cement against those of liggghts, {ranks} rank(s): {''.join(vector)}",
-                      abs(a - b).max() / abs(b).max(), 0 if hosted() else 1e-6)  # another compilation rounds otherwise
+        figures.below(
+            f"beads beside cement against those of liggghts, {ranks} rank(s): {''.join(vector)}", abs(a - b).max() / abs(b).max(), 0 if hosted() else 1e-6
+        )  # another compilation rounds otherwise
 
 
 def test_ranks(tmp_path, figures):
@@ -153,8 +155,11 @@ def test_ranks(tmp_path, figures):
     intact = tables[0][column(FAILED)] == 0
     force = tables[0][column(TENSION)][intact]
     assert intact.sum() > 100
-    figures.below("rain, 2 ranks against 1: force of the pulled pair while intact, over the peak",
-                  abs(tables[1][column(TENSION)][intact] - force).max() / force.max(), 1e-10)
+    figures.below(
+        "rain, 2 ranks against 1: force of the pulled pair while intact, over the peak",
+        abs(tables[1][column(TENSION)][intact] - force).max() / force.max(),
+        1e-10,
+    )
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
@@ -165,7 +170,7 @@ def test_restart(ranks, tmp_path, figures):
     first = edit(script, RUN, f"run {middle}\nwrite_restart ${{file}}\n" + RUN)
     whole = run(first, start_in(tmp_path), ranks).table()
     begin = script.index("region       box")
-    made = script[begin:script.index("communicate  single vel yes group grains")]
+    made = script[begin : script.index("communicate  single vel yes group grains")]
     groups = "".join(re.findall(r"^group .*\n", made, re.M))
     again = edit(script, made, "read_restart ${file}\n")
     again = edit(again, re.search(r"^create_cement .*\ncreate_cement .*\n", again, re.M)[0], "")
@@ -214,12 +219,14 @@ def test_added_mass(tmp_path, figures):
             found = re.findall(r"links +add to the nodes (\S+) of mass, (\S+) of the cement's; those of one free grain up to (\S+) of its", output)
             assert len(found) == 1, output
             assert said.setdefault(dt, found[0]) == found[0]
-        script = edit(edit(script, "upper move variable NULL NULL v_z NULL NULL v_w", "upper move linear 0 0 0"),
-                      "motion free nve/sphere", "motion free move linear 0 0 0")
+        script = edit(
+            edit(script, "upper move variable NULL NULL v_z NULL NULL v_w", "upper move linear 0 0 0"),
+            "motion free nve/sphere",
+            "motion free move linear 0 0 0",
+        )
         output = run(script, start_in(tmp_path)).output
         held.append(float(re.findall(r"links +add to the nodes (\S+) of mass, \S+ of the cement's$", output, re.M)[0]))
-        figures.note(f"rain, {dt} s: mass that links add, over that of the cement, and of a free grain over that of the grain",
-                     f"{said[dt][1]}, {said[dt][2]}")
+        figures.note(f"rain, {dt} s: mass that links add, over that of the cement, and of a free grain over that of the grain", f"{said[dt][1]}, {said[dt][2]}")
     total, share, of_grain = (np.array([float(said[dt][n]) for dt in said]) for n in range(3))
     held, cement = np.array(held), total / share
     # Links of free grains count (1 + t)-fold, t 7/2 of the mass of the cement over that of the grain, or less. A node has the
@@ -245,8 +252,12 @@ def test_momentum(tmp_path, figures):
     script = edit(script, "insert_every ${pause}", "insert_every once")
     momenta = MOMENTA.replace(f"0.4*mass*{RADIUS}^2", "0.4*mass*c_radius^2")
     script = edit(script, RUN, "run 1\n" + RUN)  # the insertion
-    script = edit(script, THERMO, "compute radius grains property/atom radius\nvariable mass atom mass\n"
-                  "compute mass all reduce sum v_mass\nvariable weight equal 9.81*c_mass\n" + momenta + ENERGY + THERMO)
+    script = edit(
+        script,
+        THERMO,
+        "compute radius grains property/atom radius\nvariable mass atom mass\n"
+        "compute mass all reduce sum v_mass\nvariable weight equal 9.81*c_mass\n" + momenta + ENERGY + THERMO,
+    )
     names = ["v_Px", "v_Py", "v_Pz", "v_Lz", "v_weight", "v_energy", "time", column(FAILED, 2)]
     table = run(with_columns(shorter(script, 12000), names, 40), start_in(tmp_path), 2).table()
     table = {n: c[table["step"] >= 1] for n, c in table.items()}
@@ -262,5 +273,4 @@ def test_momentum(tmp_path, figures):
     for name, drift in (("x", table["v_Px"]), ("y", table["v_Py"]), ("z, with gravity", fall)):
         figures.below(f"rain without walls: drift of momentum, {name}", abs(drift - drift[0]).max() / scale, 3e-11)
     # Mass goes back to nodes that are no longer constrained, which moves the middle of the cement by a hair.
-    figures.below("rain without walls: drift of angular momentum about the vertical",
-                  abs(table["v_Lz"] - table["v_Lz"][0]).max() / (scale * 0.01), 1e-8)
+    figures.below("rain without walls: drift of angular momentum about the vertical", abs(table["v_Lz"] - table["v_Lz"][0]).max() / (scale * 0.01), 1e-8)

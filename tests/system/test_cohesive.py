@@ -58,7 +58,9 @@ def test_sheared_off_its_grains(tmp_path, figures, friction):
     """The grain is free across the shear, so one side of the bond is pressed, and links debond under pressure. The energy of the pressure is
     released, or taken over by contact points; that of friction's springs is frictional dissipation where these open again."""
     motion = edit(pull(0.2, 2e-6, (1, 0, 0)), "variable v_dx v_dy v_dz v_vx v_vy v_vz", "variable v_dx NULL NULL v_vx NULL NULL")
-    fixes = cement(CELL, 8e-9, elastic=CALCITE, axis="radial", damage="check 20", couple="kn auto kt auto interface cohesive tn 1e7 tt 1e7 Gn 1.06 Gt 1.06" + friction)
+    fixes = cement(
+        CELL, 8e-9, elastic=CALCITE, axis="radial", damage="check 20", couple="kn auto kt auto interface cohesive tn 1e7 tt 1e7 Gn 1.06 Gt 1.06" + friction
+    )
     text = pair(CELL / 2, cement="content 0.01") + CONTACT + fixes + motion + thermo(20, COLUMNS)
     table = run(text + "run 1200\n", tmp_path).table()
     assert table["f_bond[18]"][-1] == 0 and table["f_bond[17]"][-1] > 0.8 * table["f_bond[16]"][0]
@@ -67,14 +69,26 @@ def test_sheared_off_its_grains(tmp_path, figures, friction):
 
 B0, G = 9.6e3, 4.0  # strength of the cement: 19 MPa
 # strength of the interface, how cracks split, mode, share of the fracture surface at a grain
-MODES = {"weak interface": (5e6, "bonds", "debonding", (1, 1)), "strong interface": (4e7, "bonds", "internal", (0, 0)), "strong interface, split": (4e7, "split", "internal", (0, 0)),
-         "near the boundary": (1.8e7, "bonds", "mixed", (0.5, 0.85)), "near the boundary, split": (1.8e7, "split", "mixed", (0.5, 0.85)), "strong interface, updated": (4e7, "bonds kinematics updated", "internal", (0, 0))}
+MODES = {
+    "weak interface": (5e6, "bonds", "debonding", (1, 1)),
+    "strong interface": (4e7, "bonds", "internal", (0, 0)),
+    "strong interface, split": (4e7, "split", "internal", (0, 0)),
+    "near the boundary": (1.8e7, "bonds", "mixed", (0.5, 0.85)),
+    "near the boundary, split": (1.8e7, "split", "mixed", (0.5, 0.85)),
+    "strong interface, updated": (4e7, "bonds kinematics updated", "internal", (0, 0)),
+}
 
 
 def breaking(strength, cracks, ring="content 0.01"):
     damage = f"damage tensor B0 {B0} cracks {cracks} {'' if 'updated' in cracks else 'quasistatic 1 0.1'} events events.csv check 20"
-    fixes = cement(CELL, STEP, elastic=CALCITE, axis="radial", damage=damage,
-                   couple=f"kn auto kt auto interface cohesive tn {strength} tt {strength} Gn {G} Gt {G} csv 20 bond.csv")
+    fixes = cement(
+        CELL,
+        STEP,
+        elastic=CALCITE,
+        axis="radial",
+        damage=damage,
+        couple=f"kn auto kt auto interface cohesive tn {strength} tt {strength} Gn {G} Gt {G} csv 20 bond.csv",
+    )
     return pair(CELL / 2, cement=ring) + CONTACT + fixes + pull(2.0, RAMP) + thermo(20, [*COLUMNS, "f_bond[22]", "f_bond[23]", "f_bond[24]"])
 
 
@@ -88,14 +102,18 @@ def test_the_link_or_the_point(case, tmp_path, figures):
     """Links fail by debonding; internal failure is points that fail and stay on the grain as residue: in the mode, the events, the
     columns, the report, the cement that is written, and in the bond that is made of it."""
     strength, cracks, mode, (least, most) = MODES[case]
-    done = run(breaking(strength, cracks) + f"run {600 if mode == 'mixed' else 1000}\nwrite_cement cement.txt\n", tmp_path)  # a mixed surface is found by what broke until the bond separated
+    done = run(
+        breaking(strength, cracks) + f"run {600 if mode == 'mixed' else 1000}\nwrite_cement cement.txt\n", tmp_path
+    )  # a mixed surface is found by what broke until the bond separated
     t = done.table()
     listed = events(tmp_path)
     assert t["f_bond[22]"][-1] == 1 and (tmp_path / "bond.csv").read_text().splitlines()[-1].endswith("," + mode)
     told = next(line for line in done.output.splitlines() if "bond 1 of grains 1 and 2: " in line)
     assert f": {mode}, {t['f_bond[18]'][-1]:g} points failed, {t['f_bond[17]'][-1]:g} links debonded" in told
     share = t["f_bond[23]"][-1] + t["f_bond[24]"][-1]
-    figures.note(f"{case}: share of the separating surface at a grain, links that debonded, points that failed", [share, t["f_bond[17]"][-1], t["f_bond[18]"][-1]])
+    figures.note(
+        f"{case}: share of the separating surface at a grain, links that debonded, points that failed", [share, t["f_bond[17]"][-1], t["f_bond[18]"][-1]]
+    )
     assert least <= share <= most
     by_link, by_point = ([r for r in listed if r[-1] == m] for m in ("debonding", "internal"))
     assert len(by_link) == t["f_bond[17]"][-1] and all(r[4] in "12" for r in by_link)
@@ -106,7 +124,7 @@ def test_the_link_or_the_point(case, tmp_path, figures):
     residue = sum(((c[f"attached_{s}"] == 1) & (c["failed"] == 1)).sum() for s in "ij")
     assert links - holds == len(by_link) and t["f_bond[16]"][-1] == holds
     assert (residue > 50) == (mode != "debonding")
-    figures.below(f"{case}: imbalance of the energy", abs(t["f_cem[12]"][t["f_bond"].argmax():]).max(), 0.01)
+    figures.below(f"{case}: imbalance of the energy", abs(t["f_cem[12]"][t["f_bond"].argmax() :]).max(), 0.01)
     if mode == "debonding" or cracks != "bonds":  # fragments of split nodes fly off their lattice
         return
     again = from_file(strength, t) + "fix hold grains move linear 0 0 0\n" + thermo(20, ["f_bond[16]", "f_bond[17]", "f_bond[22]", "f_bond[23]", "f_bond[24]"])
@@ -129,7 +147,9 @@ def test_residue_carries_nothing(tmp_path, figures, cracks):
         c["attached_i"] = ((c["area_i"] > 0) & ((c["failed"] == 0) | bool(residue))).astype(float)
         c["damage_i"] = c["damage_j"] = 0 * c["x"]
         np.savetxt(tmp_path / "cement.txt", np.column_stack(list(c.values())), fmt="%.17g", header=" ".join(c), comments="")
-        text = edit(breaking(4e7, cracks), "shape flat content 0.01 inner auto", "file cement.txt").replace("events events.csv", "").replace("csv 20 bond.csv", "")
+        text = (
+            edit(breaking(4e7, cracks), "shape flat content 0.01 inner auto", "file cement.txt").replace("events events.csv", "").replace("csv 20 bond.csv", "")
+        )
         t = run(text + "run 200\n", tmp_path).table()
         assert t["f_bond[18]"][-1] == c["failed"].sum()
         loads.append(t["f_bond"][-1])
@@ -140,7 +160,7 @@ def test_residue_carries_nothing(tmp_path, figures, cracks):
 def from_file(strength, table):
     """The cement that was written, with grain 2 where it was then."""
     text = edit(breaking(strength, "bonds"), "shape flat content 0.01 inner auto", "file cement.txt")
-    return edit(text[:text.index("variable t equal")], f"0 0 {RADIUS:.15g}", f"0 0 {RADIUS + table['f_bond[13]'][-1]:.17g}")
+    return edit(text[: text.index("variable t equal")], f"0 0 {RADIUS:.15g}", f"0 0 {RADIUS + table['f_bond[13]'][-1]:.17g}")
 
 
 def test_the_same_mode_on_ranks_and_after_a_restart(tmp_path):
@@ -171,7 +191,11 @@ def test_link_damage_is_for_the_law_that_knows_it(tmp_path):
     for words in ("fix mpm/couple (id bond)", "grains 1 and 2", "'interface penalty' does not know", "damage_i damage_j"):
         assert words in refused.errors()[0], refused.errors()
     row = int(np.flatnonzero((c["area_i"] > 0) & (c["attached_i"] == 1))[0])
-    for value, attached, words in ((1.5, 1, "'damage_i' is 1.5; the damage of a link must lie between 0 and 1"), (-0.1, 1, "'damage_i' is -0.1"), (1.0, 1, "has debonded")):
+    for value, attached, words in (
+        (1.5, 1, "'damage_i' is 1.5; the damage of a link must lie between 0 and 1"),
+        (-0.1, 1, "'damage_i' is -0.1"),
+        (1.0, 1, "has debonded"),
+    ):
         bad = {n: v.copy() for n, v in c.items()}
         bad["damage_i"][row], bad["attached_i"][row] = value, attached
         np.savetxt(tmp_path / "cement.txt", np.column_stack(list(bad.values())), fmt="%.17g", header=" ".join(bad), comments="")
@@ -194,23 +218,30 @@ def test_cells_that_do_not_resolve_the_interface(tmp_path, words, formula):
     assert len(told) == 1 and formula in told[0] and "WARNING" in told[0], done.output[-2000:]
     cell = float(re.search(r"use 'cell (\S+)' or less", told[0])[1])
     assert cell == pytest.approx(length / 2, rel=1e-4)
-    finer = scene(f"interface cohesive {words}", damage="").replace(f"cell {CELL:.15g}", f"cell {0.999 * cell:.15g}").replace(f"spacing {CELL / 2:.15g}", f"spacing {0.4995 * cell:.15g}")
+    finer = (
+        scene(f"interface cohesive {words}", damage="")
+        .replace(f"cell {CELL:.15g}", f"cell {0.999 * cell:.15g}")
+        .replace(f"spacing {CELL / 2:.15g}", f"spacing {0.4995 * cell:.15g}")
+    )
     assert "softens over" not in run(finer + "run 0\n", tmp_path).output
 
 
-@pytest.mark.parametrize("words, message", [
-    ("interface cohesive tn 1e6 tt 0 Gn 1 Gt 1", "'interface cohesive tt 0': must be greater than 0"),
-    ("interface cohesive tn 1e6 tt 1e6 Gn -1 Gt 1", "'interface cohesive Gn -1': must be greater than 0"),
-    ("interface cohesive tn 1e6 tt 1e6 Gn 1 Gt 0", "'interface cohesive Gt 0': must be greater than 0"),
-    ("interface cohesive tn 1e6 tt 1e9 Gn 1 Gt 1e-3", "'Gt 0.001' must be above"),
-    ("interface cohesive tn nan tt 1e6 Gn 1 Gt 1", "tn"),
-    ("interface cohesive tn 1e6 tt 1e6 Gn inf Gt 1", "Gn"),
-    ("interface cohesive tn 1e6 tt 1e6 Gn 1 Gt 1 tn 2e6", "tn"),
-    ("interface cohesive tn 1e6 tt 1e6 Gn 1", "'interface cohesive' needs 'Gt', the energy per area that shear takes"),
-    ("interface cohesive tn -1 tt 1e6 Gn 1 Gt 1", "'interface cohesive tn -1': must be greater than 0"),
-    ("interface cohesive tn 1e9 tt 1e6 Gn 1e-3 Gt 1", "'Gn 0.001' must be above"),
-    ("interface glue", "interface"),
-])
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        ("interface cohesive tn 1e6 tt 0 Gn 1 Gt 1", "'interface cohesive tt 0': must be greater than 0"),
+        ("interface cohesive tn 1e6 tt 1e6 Gn -1 Gt 1", "'interface cohesive Gn -1': must be greater than 0"),
+        ("interface cohesive tn 1e6 tt 1e6 Gn 1 Gt 0", "'interface cohesive Gt 0': must be greater than 0"),
+        ("interface cohesive tn 1e6 tt 1e9 Gn 1 Gt 1e-3", "'Gt 0.001' must be above"),
+        ("interface cohesive tn nan tt 1e6 Gn 1 Gt 1", "tn"),
+        ("interface cohesive tn 1e6 tt 1e6 Gn inf Gt 1", "Gn"),
+        ("interface cohesive tn 1e6 tt 1e6 Gn 1 Gt 1 tn 2e6", "tn"),
+        ("interface cohesive tn 1e6 tt 1e6 Gn 1", "'interface cohesive' needs 'Gt', the energy per area that shear takes"),
+        ("interface cohesive tn -1 tt 1e6 Gn 1 Gt 1", "'interface cohesive tn -1': must be greater than 0"),
+        ("interface cohesive tn 1e9 tt 1e6 Gn 1e-3 Gt 1", "'Gn 0.001' must be above"),
+        ("interface glue", "interface"),
+    ],
+)
 def test_bad_options(tmp_path, words, message):
     done = launch(scene(words) + "run 0\n", tmp_path)
     assert done.status != 0
@@ -228,9 +259,14 @@ def test_another_law_after_a_restart_is_refused(tmp_path):
 def test_struck(words, tmp_path, figures):
     """A free grain is thrown away from the other: links jump over their peak in a step, open and close, and the energy balance is that of central differences."""
     cell = 5e-4
-    script = (pair(cell / 2, gap=4e-4, cement="content 0.01") + CONTACT
-              + cement(cell, 3.9e-8, elastic=CALCITE, axis="radial", damage=f"{words} check 20", couple="kn auto kt auto interface cohesive tn 2e7 tt 4e7 Gn 4 Gt 4")
-              + "fix motion grains nve/sphere\nvelocity second set 0 0 0.1\n" + thermo(1, ["f_bond", "f_bond[17]", "f_cem[8]", "f_cem[12]"]) + "run 300\n")
+    script = (
+        pair(cell / 2, gap=4e-4, cement="content 0.01")
+        + CONTACT
+        + cement(cell, 3.9e-8, elastic=CALCITE, axis="radial", damage=f"{words} check 20", couple="kn auto kt auto interface cohesive tn 2e7 tt 4e7 Gn 4 Gt 4")
+        + "fix motion grains nve/sphere\nvelocity second set 0 0 0.1\n"
+        + thermo(1, ["f_bond", "f_bond[17]", "f_cem[8]", "f_cem[12]"])
+        + "run 300\n"
+    )
     table = run(script, tmp_path).table()
     assert table["f_cem[8]"][-1] > 0
     figures.below(f"{words or 'quadratic'}: imbalance of the energy", abs(table["f_cem[12]"]).max(), 1e-5)

@@ -11,12 +11,17 @@ ELASTIC = " ".join(f"{e:.15g}" for e in VTI)
 def row_of_three(step, words):
     """The first bond is wider, so that it stays condensed while the second is resolved. The grain between them is free, and the last is pulled."""
     grains = "".join(f"create_atoms 1 single 0 0 {z} units box\n" for z in (-0.0102, 0, 0.0102))
-    return (host() + "region box block -0.008 0.008 -0.008 0.008 -0.03 0.03 units box\ncreate_box 2 box\n" + grains
-            + "set type 1 diameter 0.01 density 2500\ngroup grains type 1\n" + NEIGHBOURS
-            + "create_cement calcite pair 1 2 shape flat outer 2.2e-3 inner auto spacing 2e-4\ncreate_cement calcite pair 2 3 shape flat outer 1.2e-3 spacing 2e-4\n"
-            + f"timestep {step}\nfix cem calcite mpm cell 4e-4 elastic vti {ELASTIC} damage tensor B0 9.6e3 {words}\nfix bond grains mpm/couple cem\n"
-            + "group low id 1\ngroup mid id 2\ngroup top id 3\nfix hold low move linear 0 0 0\nfix free mid nve/sphere\n"
-            + "variable z equal 2e4*step*dt*step*dt\nvariable w equal 4e4*step*dt\nfix pull top move variable NULL NULL v_z NULL NULL v_w\n")
+    return (
+        host()
+        + "region box block -0.008 0.008 -0.008 0.008 -0.03 0.03 units box\ncreate_box 2 box\n"
+        + grains
+        + "set type 1 diameter 0.01 density 2500\ngroup grains type 1\n"
+        + NEIGHBOURS
+        + "create_cement calcite pair 1 2 shape flat outer 2.2e-3 inner auto spacing 2e-4\ncreate_cement calcite pair 2 3 shape flat outer 1.2e-3 spacing 2e-4\n"
+        + f"timestep {step}\nfix cem calcite mpm cell 4e-4 elastic vti {ELASTIC} damage tensor B0 9.6e3 {words}\nfix bond grains mpm/couple cem\n"
+        + "group low id 1\ngroup mid id 2\ngroup top id 3\nfix hold low move linear 0 0 0\nfix free mid nve/sphere\n"
+        + "variable z equal 2e4*step*dt*step*dt\nvariable w equal 4e4*step*dt\nfix pull top move variable NULL NULL v_z NULL NULL v_w\n"
+    )
 
 
 CONDENSED, SUBCYCLED = (8e-9, "condense yes wake 0.1 subcycle 2", 400, 50), (2e-7, "subcycle 10", 30, 10)

@@ -36,7 +36,7 @@ def test_ring_one_cell_wide(content, tmp_path, figures):
     peak, woke = resolved.argmax(), np.argmax(table["yes"][AWAKE] > 0)
     assert 0.6 * peak < woke < peak < len(resolved) - 50 and resolved[-1] < 0.9 * resolved[peak]
     figures.below("force until it wakes", abs(condensed - resolved)[:woke].max() / resolved[peak], 5e-3)
-    figures.below("force from there to the peak", abs(condensed - resolved)[woke:peak - 30].max() / resolved[peak], 5e-3)
+    figures.below("force from there to the peak", abs(condensed - resolved)[woke : peak - 30].max() / resolved[peak], 5e-3)
     figures.below("peak", abs(condensed.max() / resolved[peak] - 1), 2e-3)
     figures.below("imbalance of the energy", abs(table["yes"]["f_cem[12]"]).max(), 1e-4)
 
@@ -45,7 +45,11 @@ def test_rings_that_trim_each_other(tmp_path, figures):
     """Of three beads that touch. They are condensed, and their loads are those of resolved ones."""
     force = {}
     for word in ("no", "yes"):
-        text = edit(pair(2e-4, radius=1.7e-3), "create_atoms 1 single 0 0 0.0017 units box\n", "create_atoms 1 single 0 0 0.0017 units box\ncreate_atoms 1 single 0 0.00294448637286709 0 units box\n")
+        text = edit(
+            pair(2e-4, radius=1.7e-3),
+            "create_atoms 1 single 0 0 0.0017 units box\n",
+            "create_atoms 1 single 0 0 0.0017 units box\ncreate_atoms 1 single 0 0.00294448637286709 0 units box\n",
+        )
         text = edit(text, "pair 1 2 shape flat inner 1e-3 outer 2e-3", "contacts grains gap 1e-5 shape flat content 0.007 inner auto overlap trim")
         text += cement(4e-4, 2e-8, CALCITE, axis="radial", damage=f"quasistatic 1 0.05 condense {word}") + shift(1e-7, 2e-4, (0, 0.6, 0.8))
         text = edit(text, "fix hold first move", "group low id 1 3\nfix hold low move")
@@ -66,11 +70,13 @@ def free_pair(word, axis="radial", words=""):
 
 def period_of(force, step, guess):
     """Period of the sine that fits best, and its amplitude."""
+
     def fit(period):
         x = 2 * np.pi * step / period
         base = np.stack([np.cos(x), np.sin(x), np.ones_like(x)], axis=1)
         c, rest, *_ = np.linalg.lstsq(base, force, rcond=None)
         return rest[0], np.hypot(c[0], c[1])
+
     for width in (0.05, 0.002):
         periods = guess * (1 + width * np.linspace(-1, 1, 201))
         guess = min(periods, key=lambda p: fit(p)[0])
@@ -88,7 +94,9 @@ def test_frequency(tmp_path, figures):
         found[word] = period_of(f, t["step"], guess)
     figures.note("period in steps and amplitude, condensed and resolved", str(found))
     figures.below("period, condensed against resolved", abs(found["yes"][0] / found["no"][0] - 1), 2e-3)
-    figures.below("amplitude of the force, condensed against resolved", abs(found["yes"][1] / found["no"][1] - 1), 2e-2)  # resolved cement starts at rest, and is struck
+    figures.below(
+        "amplitude of the force, condensed against resolved", abs(found["yes"][1] / found["no"][1] - 1), 2e-2
+    )  # resolved cement starts at rest, and is struck
 
 
 def test_frequency_of_light_grains(tmp_path, figures):
@@ -108,13 +116,22 @@ def test_frequency_of_light_grains(tmp_path, figures):
 # Bonds of equal and unequal grains, on a line that lies skew in the box.
 SKEW = dict(direction=(0.36, -0.48, 0.8), half_box=(0.02, 0.02, 0.02))
 SHAPES = {
-    "flat ring, unequal grains": edit(pair(1e-4, gap=2e-4, cement="outer 1.5e-3 inner 0.3e-3", **SKEW), "group        grains type 1\n",
-                                      "group        grains type 1\nset atom 2 diameter 0.0097\n"),
+    "flat ring, unequal grains": edit(
+        pair(1e-4, gap=2e-4, cement="outer 1.5e-3 inner 0.3e-3", **SKEW),
+        "group        grains type 1\n",
+        "group        grains type 1\nset atom 2 diameter 0.0097\n",
+    ),
     "meniscus": pair(1e-4, gap=2e-4, shape="meniscus", cement="neck 1e-3 contact 1.5e-3", **SKEW),
     "coating": pair(1e-4, gap=1e-4, shape="coating", cement="thickness 3e-4 cap 25", **SKEW),
 }
-LOADS = {"x": ("0.06 0 0", ""), "y": ("0 0.06 0", ""), "z": ("0 0 0.06", ""),
-         "about x": ("0 0 0", "omegax 30"), "about y": ("0 0 0", "omegay 30"), "about z": ("0 0 0", "omegaz 30")}
+LOADS = {
+    "x": ("0.06 0 0", ""),
+    "y": ("0 0.06 0", ""),
+    "z": ("0 0 0.06", ""),
+    "about x": ("0 0 0", "omegax 30"),
+    "about y": ("0 0 0", "omegay 30"),
+    "about z": ("0 0 0", "omegaz 30"),
+}
 
 
 @pytest.mark.parametrize("shape", [pytest.param(s, marks=[pytest.mark.long] if s == "coating" else []) for s in SHAPES])
@@ -129,7 +146,7 @@ def test_six_loads(shape, tmp_path, figures):
         assert 21 < at < 390, (load, at)
         loads = np.array([t[f"f_bond[{k}]"] for k in range(1, 13)])
         # the last steps before it, on a straight line, against the mean of the steps after
-        before, after = loads[:, at - 20:at + 1], loads[:, at + 1:at + 9]
+        before, after = loads[:, at - 20 : at + 1], loads[:, at + 1 : at + 9]
         slope = (before[:, -1] - before[:, 0]) / 20
         expected = before[:, -1:] + slope[:, None] * np.arange(1, 9)
         off = np.abs((after - expected).mean(axis=1))
@@ -144,16 +161,19 @@ BREAKING = pair(1e-4, gap=2e-4, cement="outer 1.5e-3 inner 0.3e-3", half_box=(6e
 
 
 def breaking(word, direction=(0, 0, 1)):
-    return (BREAKING + cement(2e-4, 4e-9, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check 10 condense {word}")
-            + pull(0.5, 8e-6, direction))
+    return BREAKING + cement(2e-4, 4e-9, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check 10 condense {word}") + pull(0.5, 8e-6, direction)
 
 
 @pytest.mark.parametrize("load, direction", [("tension", (0, 0, 1)), ("shear", (1, 0, 0))])
 def test_activation(load, direction, tmp_path, figures):
     tables = {}
     for word in ("yes", "no"):
-        tables[word] = run(breaking(word, direction) + thermo(1, ["f_bond", "f_bond[7]", "f_bond[9]", AWAKE, "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[12]", "f_cem[2]"])
-                           + "run 6000\n", tmp_path / word).table()
+        tables[word] = run(
+            breaking(word, direction)
+            + thermo(1, ["f_bond", "f_bond[7]", "f_bond[9]", AWAKE, "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[12]", "f_cem[2]"])
+            + "run 6000\n",
+            tmp_path / word,
+        ).table()
     column = "f_bond[9]" if load == "tension" else "f_bond[7]"
     t, r = tables["yes"], tables["no"]
     force, resolved = np.abs(t[column]), np.abs(r[column])
@@ -166,8 +186,8 @@ def test_activation(load, direction, tmp_path, figures):
     figures.below(f"{load}: jump of the force when it wakes", jump, 1e-3)
     figures.below(f"{load}: jump of the energy when it wakes", abs(energy[at + 1] - 2 * energy[at] + energy[at - 1]) / energy[at], 1e-3)
     balance = t["f_cem[12]"]  # what the bond has more or less than before is counted as released
-    figures.below(f"{load}: jump of the energy imbalance when it wakes", np.abs(np.diff(balance)[at - 1:at + 2]).max(), 5e-10)
-    ringing = force[at + 1:at + 200] - resolved[at + 1:at + 200]
+    figures.below(f"{load}: jump of the energy imbalance when it wakes", np.abs(np.diff(balance)[at - 1 : at + 2]).max(), 5e-10)
+    ringing = force[at + 1 : at + 200] - resolved[at + 1 : at + 200]
     figures.note(f"{load}: largest difference of the force in the 200 steps after", f"{np.abs(ringing).max() / force[at]:.3g}")
     figures.below(f"{load}: peak against resolved", abs(force.max() / resolved.max() - 1), 5e-3)
     figures.below(f"{load}: energy imbalance beyond that of the resolved one", np.abs(t["f_cem[12]"]).max() - np.abs(r["f_cem[12]"]).max(), 2e-4)
@@ -179,8 +199,10 @@ def test_threshold(words, tmp_path):
     script = edit(breaking("yes wake 0.999", (1, 0, 0)), "cutoff 0.9", f"cutoff 0.9 {words}" if "regul" not in words else "cutoff 0.9")
     if "regul" in words:
         script = edit(script, "check 10", f"check 10 {words}")
-    t, r = (run(s + thermo(1, [AWAKE, "f_cem[8]"]) + "run 1000\n", tmp_path / name).table()
-            for name, s in (("yes", script), ("no", edit(script, "condense yes wake 0.999", "condense no"))))
+    t, r = (
+        run(s + thermo(1, [AWAKE, "f_cem[8]"]) + "run 1000\n", tmp_path / name).table()
+        for name, s in (("yes", script), ("no", edit(script, "condense yes wake 0.999", "condense no")))
+    )
     wakes, damage, resolved = int(np.argmax(t[AWAKE] > 0)), int(np.argmax(t["f_cem[8]"] > 0)), int(np.argmax(r["f_cem[8]"] > 0))
     assert 100 < wakes < damage <= wakes + 6 and abs(damage - resolved) <= 3, (wakes, damage, resolved)
 
@@ -189,8 +211,10 @@ def cycles(word, most, steps, count=1):
     """The second grain goes to and fro by `most` along the line of centres, `count` times in `steps` each."""
     text = BREAKING + cement(2e-4, 4e-9, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check 10 condense {word}")
     turn = f"2*PI*v_t/{4e-9 * steps}"
-    return text + (f"variable t equal step*dt\nvariable z equal {most / 2}*(1-cos({turn}))\nvariable w equal {most * np.pi / (4e-9 * steps)}*sin({turn})\n"
-                   "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_z NULL NULL v_w\n")
+    return text + (
+        f"variable t equal step*dt\nvariable z equal {most / 2}*(1-cos({turn}))\nvariable w equal {most * np.pi / (4e-9 * steps)}*sin({turn})\n"
+        "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_z NULL NULL v_w\n"
+    )
 
 
 AGAIN = ["f_bond[9]", AWAKE, "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[8]", "f_cem[12]", "f_cem[10]"]
@@ -220,7 +244,7 @@ def test_restart_of_one_condensed_again(tmp_path):
     """The damage is in the points, from which the bond is solved again."""
     script = cycles("yes", 1.18e-7, 5000)
     whole = run(script + thermo(50, AGAIN) + "run 4000\nwrite_restart r\nrun 3500\n", tmp_path).table()
-    fixes = script[script.index("timestep"):]
+    fixes = script[script.index("timestep") :]
     again = run(restarted("r") + fixes + thermo(50, AGAIN) + "run 3500\n", tmp_path, name="in.again").table()
     rows = len(again["step"])
     assert again[AWAKE][0] == 0 and again[AWAKE][-1] == 1
@@ -254,11 +278,12 @@ def test_velocity_between_runs(tmp_path, figures):
 
 def test_computes_between_outputs(tmp_path):
     """A compute that another fix asks for sees points as they are, without an output in that step."""
+
     def averaged(every):
-        asks = ("compute szz calcite mpm/atom cem stress_zz\ncompute sum calcite reduce sum c_szz\n"
-                "fix record all ave/time 10 1 10 c_sum file sum.txt\n")
+        asks = "compute szz calcite mpm/atom cem stress_zz\ncompute sum calcite reduce sum c_szz\n" "fix record all ave/time 10 1 10 c_sum file sum.txt\n"
         run(pair(1e-4) + cement(2e-4, 1e-8, damage="condense yes") + pull(1.0, 2e-6) + asks + thermo(every, ["f_bond"]) + "run 100\n", tmp_path / str(every))
         return np.loadtxt(tmp_path / str(every) / "sum.txt")
+
     often, seldom = averaged(10), averaged(1000)
     assert len(often) > 9 and abs(often[-1, 1]) > 10 * abs(often[1, 1]) > 0
     assert (often == seldom).all()
@@ -267,7 +292,9 @@ def test_computes_between_outputs(tmp_path):
 def test_second_run(tmp_path):
     """Bonds are solved for once, equal ones together, and not again in a second run."""
     text = (ROOT / "examples" / "packing" / "in.packing").read_text() + "run 5\n"
-    result = launch(text, tmp_path, arguments=["-var", "condense", "yes", "-var", "speed", "1e-3", "-var", "side", "3", "-var", "steps", "5", "-var", "record", "5"])
+    result = launch(
+        text, tmp_path, arguments=["-var", "condense", "yes", "-var", "speed", "1e-3", "-var", "side", "3", "-var", "steps", "5", "-var", "record", "5"]
+    )
     assert result.status == 0, result.output[-1500:]
     found = [tuple(map(int, w)) for w in re.findall(r"condensed (\d+) of (\d+) bonds, with (\d+) solutions", result.output)]
     assert [f[:2] for f in found] == [(54, 54)] * 2 and found[1][2] == 0 and 0 < found[0][2] < 54, found
@@ -297,7 +324,8 @@ def test_work_of_gravity(held, ranks, tmp_path, figures):
     assert (t[AWAKE] == 0).all()
     work = np.abs(t["f_cem[11]"])  # of a grain that swings it comes back to 0, where a relative error says nothing
     figures.below("energy imbalance over the largest work", np.abs(t["f_cem[12]"] * work).max() / work.max(), 1e-6)
-    if held: return
+    if held:
+        return
     mass = 2710 * float(re.search(r"^  volume (\S+),", result.output, re.M)[1])
     assert t["f_cem[11]"][-1] == pytest.approx(0.5 * mass * (9.81 * 1e-5) ** 2, rel=1e-6)
 
@@ -306,8 +334,9 @@ def test_work_of_gravity(held, ranks, tmp_path, figures):
 def test_ranks(words, tmp_path):
     """A bond that ranks cut is activated at the same step and is separated by the same failures. Averages are over the points of all ranks."""
     script = edit(breaking("yes"), "check 10", f"check 10 {words}")
-    tables = {ranks: run(script + thermo(10, ["f_bond", AWAKE, "f_cem[2]", "f_cem[19]"]) + "run 3000\n", tmp_path / str(ranks), ranks).table()
-              for ranks in (1, 2, 4)}
+    tables = {
+        ranks: run(script + thermo(10, ["f_bond", AWAKE, "f_cem[2]", "f_cem[19]"]) + "run 3000\n", tmp_path / str(ranks), ranks).table() for ranks in (1, 2, 4)
+    }
     for ranks in (2, 4):
         for name in (AWAKE, "f_cem[2]", "f_cem[19]"):
             assert (tables[ranks][name] == tables[1][name]).all(), (ranks, name)
@@ -320,7 +349,7 @@ def test_restart(at, tmp_path):
     columns = ["f_bond", AWAKE, "f_cem[2]", "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[12]"]
     script = breaking("yes")
     whole = run(script + thermo(50, columns) + f"run {at}\nwrite_restart r\nrun 600\n", tmp_path, 2).table()
-    fixes = script[script.index("timestep"):]
+    fixes = script[script.index("timestep") :]
     again = run(restarted("r") + fixes + thermo(50, columns) + "run 600\n", tmp_path, 2, name="in.again").table()
     rows = len(again["step"])
     for name in columns[:-1]:
@@ -333,14 +362,37 @@ BAD = {
     "wake beyond the threshold": ("condense yes", "condense yes wake 1.1", ["fix mpm (id cem)", "'condense ... wake 1.1'", "(0, 1]"]),
     "wake at nothing": ("condense yes", "condense yes wake 0", ["fix mpm (id cem)", "'condense ... wake 0'", "(0, 1]"]),
     "neither yes nor no": ("condense yes", "condense 0.8", ["fix mpm (id cem)", "condense", "0.8", "yes"]),
-    "updated": ("condense yes", "condense yes kinematics updated", ["fix mpm (id cem)", "'condense yes' does not go with 'kinematics updated'", "'kinematics total'"]),
-    "a new reference": ("condense yes", "condense yes reproject 10", ["fix mpm (id cem)", "'condense yes' does not go with 'reproject 10'", "without 'reproject'"]),
-    "cubic splines": ("condense yes", "condense yes basis cubic", ["fix mpm (id cem)", "'condense yes' does not go with 'basis cubic'", "'basis quadratic' or 'linear'"]),
-    "cracks that close": ("condense yes", "condense yes unilateral yes", ["fix mpm (id cem)", "'condense yes' does not go with 'unilateral yes'", "or 'unilateral no'"]),
+    "updated": (
+        "condense yes",
+        "condense yes kinematics updated",
+        ["fix mpm (id cem)", "'condense yes' does not go with 'kinematics updated'", "'kinematics total'"],
+    ),
+    "a new reference": (
+        "condense yes",
+        "condense yes reproject 10",
+        ["fix mpm (id cem)", "'condense yes' does not go with 'reproject 10'", "without 'reproject'"],
+    ),
+    "cubic splines": (
+        "condense yes",
+        "condense yes basis cubic",
+        ["fix mpm (id cem)", "'condense yes' does not go with 'basis cubic'", "'basis quadratic' or 'linear'"],
+    ),
+    "cracks that close": (
+        "condense yes",
+        "condense yes unilateral yes",
+        ["fix mpm (id cem)", "'condense yes' does not go with 'unilateral yes'", "or 'unilateral no'"],
+    ),
     "friction": ("kn auto", "friction 0.3 kn auto", ["fix mpm/couple (id bond)", "'friction 0.3'", "'condense no'", "fix mpm (id cem)"]),
-    "the other mass": ("condense yes", "condense yes mass_order 2", ["fix mpm (id cem)", "'condense yes' does not go with 'mass_order 2'", "or 'mass_order 1'"]),
-    "cohesive links": ("kn auto kt auto", "kn auto kt auto interface cohesive tn 1e7 tt 1e7 Gn 40 Gt 40",
-                       ["fix mpm/couple (id bond)", "'interface cohesive tn", "'condense no'", "fix mpm (id cem)"]),
+    "the other mass": (
+        "condense yes",
+        "condense yes mass_order 2",
+        ["fix mpm (id cem)", "'condense yes' does not go with 'mass_order 2'", "or 'mass_order 1'"],
+    ),
+    "cohesive links": (
+        "kn auto kt auto",
+        "kn auto kt auto interface cohesive tn 1e7 tt 1e7 Gn 40 Gt 40",
+        ["fix mpm/couple (id bond)", "'interface cohesive tn", "'condense no'", "fix mpm (id cem)"],
+    ),
 }
 
 
@@ -356,7 +408,7 @@ def test_message(name, tmp_path):
 def test_condensed_no_more(tmp_path):
     script = breaking("yes")
     run(script + "run 10\nwrite_restart r\n", tmp_path, 2)
-    result = launch(restarted("r") + script[script.index("timestep"):].replace("condense yes", "condense no") + "run 10\n", tmp_path, 2, name="in.again")
+    result = launch(restarted("r") + script[script.index("timestep") :].replace("condense yes", "condense no") + "run 10\n", tmp_path, 2, name="in.again")
     assert result.status != 0 and len(result.errors()) == 1, result.output[-1500:]
     assert all(w in result.errors()[0] for w in ("fix mpm (id cem)", "bonds were condensed", "grains 1 and 2", "use 'condense yes'")), result.errors()[0]
 
@@ -382,8 +434,12 @@ def test_activation_of_one_that_rotated(tmp_path, figures):
     words = [cement(4e-4, 1.6e-8, damage=f"damage tensor B0 9.6e3 condense yes wake {wake}", axis="bond") for wake in (1, 1e-9)]
     text = pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", half_box=(0.02, 0.02, 0.02))
     run(text + words[0] + SPINNING + "run 12000\nwrite_restart r\n", tmp_path)
-    condensed, awake = (run(restarted("r") + w + "fix motion grains nve/sphere\n" + thermo(1, ["f_bond", AWAKE, "f_cem[6]", "f_cem[7]"]) + "run 60\n", tmp_path,
-                            name=f"in.{n}").table() for n, w in enumerate(words))
+    condensed, awake = (
+        run(
+            restarted("r") + w + "fix motion grains nve/sphere\n" + thermo(1, ["f_bond", AWAKE, "f_cem[6]", "f_cem[7]"]) + "run 60\n", tmp_path, name=f"in.{n}"
+        ).table()
+        for n, w in enumerate(words)
+    )
     assert (condensed[AWAKE] == 0).all() and awake[AWAKE][0] == 0 and (awake[AWAKE][2:] == 1).all()
     for name in ("f_bond", "f_cem[6]"):
         figures.below(f"turned: {name}, awake against condensed", np.abs(awake[name] - condensed[name]).max() / np.abs(condensed[name]).max(), 1e-2)
@@ -391,7 +447,9 @@ def test_activation_of_one_that_rotated(tmp_path, figures):
 
 def test_stiffness_of_condensed_bonds(tmp_path):
     """In flight, and after a restart: the matrix rotates with the bond, by a fifth of a revolution here."""
-    text = pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", half_box=(0.02, 0.02, 0.02)) + cement(4e-4, 1.6e-8, damage="condense yes", axis="bond") + SPINNING
+    text = (
+        pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", half_box=(0.02, 0.02, 0.02)) + cement(4e-4, 1.6e-8, damage="condense yes", axis="bond") + SPINNING
+    )
     run(text + "bond_stiffness a.csv\nrun 25000\nbond_stiffness b.csv\nwrite_restart r\n", tmp_path)
     run(restarted("r") + cement(4e-4, 1.6e-8, damage="condense yes", axis="bond") + "bond_stiffness c.csv\n", tmp_path, 2)
     a, b, c = (rows_of(tmp_path / f"{name}.csv")[0] for name in "abc")
@@ -400,7 +458,7 @@ def test_stiffness_of_condensed_bonds(tmp_path):
         assert b[name] == pytest.approx(a[name], rel=1e-5) and c[name] == pytest.approx(b[name], rel=1e-8), name
     for name in ("k11", "k13", "k33", "x", "z", "nx", "nz"):
         assert c[name] == pytest.approx(b[name], rel=1e-6, abs=1e-9), name
-    assert b["k33"] == pytest.approx(a["k33"] * b["nz"]**2 + a["k11"] * b["nx"]**2, rel=1e-3)
+    assert b["k33"] == pytest.approx(a["k33"] * b["nz"] ** 2 + a["k11"] * b["nx"] ** 2, rel=1e-3)
 
 
 def test_memory(tmp_path):
@@ -419,8 +477,9 @@ def test_packing(tmp_path, figures):
     script = (ROOT / "examples" / "packing" / "in.packing").read_text()
     apart, force = {}, {}
     for word in ("yes", "no"):
-        result = launch(script, tmp_path, 2, name=f"in.{word}",
-                        arguments=["-var", "condense", word, "-var", "side", "3", "-var", "steps", "600", "-var", "record", "10"])
+        result = launch(
+            script, tmp_path, 2, name=f"in.{word}", arguments=["-var", "condense", word, "-var", "side", "3", "-var", "steps", "600", "-var", "record", "10"]
+        )
         assert result.status == 0 and not result.errors(), result.output[-2000:]
         with open(tmp_path / "bond.csv") as f:
             rows = list(csv.DictReader(f))
@@ -432,7 +491,7 @@ def test_packing(tmp_path, figures):
         force[word] = np.array([float(w[2]) for w in lines if w[0].isdigit()])
     assert len(apart["no"]) >= 9 and apart["yes"] == apart["no"]
     peak = int(np.argmax(force["no"]))
-    figures.below("packing: force up to the peak, over the peak", np.abs(force["yes"] - force["no"])[:peak + 1].max() / force["no"][peak], 1e-2)
+    figures.below("packing: force up to the peak, over the peak", np.abs(force["yes"] - force["no"])[: peak + 1].max() / force["no"][peak], 1e-2)
 
 
 def test_packing_on_eight_ranks(tmp_path):
@@ -441,10 +500,12 @@ def test_packing_on_eight_ranks(tmp_path):
     cement_made, rest = script.index("communicate  single vel yes group"), script.index("fix          kn")
     words = ["-var", "condense", "yes", "-var", "side", "3", "-var", "steps", "500", "-var", "record", "10"]
     run(script[:rest] + "write_restart made.restart\n", tmp_path, arguments=words)  # IDs of beads that LIGGGHTS makes depend on its ranks
-    start, told = script[:script.index("region       box")], {}
+    start, told = script[: script.index("region       box")], {}
     for ranks, processors in ((1, "1 1 1"), (8, "2 2 2")):
         settings = "\n".join(line for line in script[cement_made:rest].splitlines() if not line.startswith("create_cement"))
-        result = run(start + f"processors {processors}\nread_restart ../made.restart\n" + settings + "\n" + script[rest:], tmp_path / str(ranks), ranks, arguments=words)
+        result = run(
+            start + f"processors {processors}\nread_restart ../made.restart\n" + settings + "\n" + script[rest:], tmp_path / str(ranks), ranks, arguments=words
+        )
         with open(tmp_path / str(ranks) / "events.csv") as f:
             failed = sorted((int(r["step"]), int(r["point"]), int(r["bond"]), r["mode"]) for r in csv.DictReader(f))
         with open(tmp_path / str(ranks) / "bond.csv") as f:

@@ -55,9 +55,9 @@ def test_at_rest(name, tmp_path, figures):
     figures.note(f"{name}: steps from separation until it is condensed", f"{rests - apart}, after {t['f_cem[2]'][-1]:g} points failed")
     force = np.linalg.norm([t[f"f_bond[{n}]"] for n in range(1, 10) if n not in (4, 5, 6)], axis=0)
     peak, energy = force.max(), t["f_cem[5]"] + t["f_cem[6]"] + t["f_cem[7]"]
-    figures.below(f"{name}: jump of the forces when it is condensed, over the peak", np.abs(np.diff(force))[rests - 2:rests + 2].max() / peak, 1e-3)
-    figures.below(f"{name}: jump of the energy, with that of dust, over the largest", np.abs(np.diff(energy))[rests - 2:rests + 2].max() / energy.max(), 5e-3)
-    figures.below(f"{name}: forces after that, over the peak", force[rests + 1:].max() / peak, 1e-3)
+    figures.below(f"{name}: jump of the forces when it is condensed, over the peak", np.abs(np.diff(force))[rests - 2 : rests + 2].max() / peak, 1e-3)
+    figures.below(f"{name}: jump of the energy, with that of dust, over the largest", np.abs(np.diff(energy))[rests - 2 : rests + 2].max() / energy.max(), 5e-3)
+    figures.below(f"{name}: forces after that, over the peak", force[rests + 1 :].max() / peak, 1e-3)
     figures.below(f"{name}: energy imbalance beyond that of the resolved one", np.abs(t["f_cem[12]"]).max() - np.abs(r["f_cem[12]"]).max(), 1e-4)
     assert (failed["yes"] == failed["no"]).all()
     off = np.abs(points["yes"] - points["no"])[:, :, failed["no"] == 0]
@@ -107,8 +107,12 @@ def test_momentum_of_a_row(tmp_path, figures):
     """Three light free grains in a row. One bond breaks; what its pieces have of momentum goes on through the other bond, which is condensed and whole."""
     text = edit(broken("yes", motion="", half_box=(0.02, 0.02, 0.02)), "density 2500", "density 600")
     text = edit(text, "set          type 1", "create_atoms 1 single 0 0 0.0156 units box\nset          type 1")
-    text = edit(text, "create_cement calcite pair 1 2", "create_cement calcite pair 2 3 shape flat outer 2.8e-3 inner 0 film grid spacing 2e-4\ncreate_cement calcite pair 1 2")
-    text += ('variable vz atom "-2*(z<-3e-4)+0.7*(z>=-3e-4)"\nvelocity all set 0.2 0.1 v_vz\nfix motion grains nve/sphere\n')
+    text = edit(
+        text,
+        "create_cement calcite pair 1 2",
+        "create_cement calcite pair 2 3 shape flat outer 2.8e-3 inner 0 film grid spacing 2e-4\ncreate_cement calcite pair 1 2",
+    )
+    text += 'variable vz atom "-2*(z<-3e-4)+0.7*(z>=-3e-4)"\nvelocity all set 0.2 0.1 v_vz\nfix motion grains nve/sphere\n'
     result = run(text + MOMENTA + thermo(10, MOMENTUM_COLUMNS + [AWAKE, SEPARATED, "f_cem[12]"]) + "run 12000\n", tmp_path)
     t = result.table()
     change = np.flatnonzero(np.diff(t[AWAKE])) + 1
@@ -128,7 +132,7 @@ def test_a_run_in_parts(tmp_path):
     wakes, _, rests = when(whole)
     for at in (wakes, rests - 25, rests):
         parts = run(script + MOMENTA + thermo(1, STATE) + f"run {at}\nwrite_restart r\nrun {steps - at}\n", tmp_path, name="in.parts").table()
-        fixes = script[script.index("timestep"):script.index("variable     vx")] + "fix          motion grains nve/sphere\n"
+        fixes = script[script.index("timestep") : script.index("variable     vx")] + "fix          motion grains nve/sphere\n"
         again = run(restarted("r") + fixes + MOMENTA + thermo(1, STATE) + f"run {steps - at}\n", tmp_path, name="in.again").table()
         for name in STATE:
             assert (np.delete(parts[name], at + 1) == whole[name]).all(), (at, name)
@@ -156,7 +160,11 @@ def test_over_the_cuts_of_ranks(tmp_path, figures):
     quantities = point_quantities(["failed"]) + dump(40000, ["x", "y", "z", "vx", "vy", "vz"])
     found = {}
     for ranks, grid in ((1, "* * *"), (2, "2 1 1")):
-        text = edit(edit(free("yes"), "processors   * * *", f"processors   {grid}"), "-0.02 0.02 -0.02 0.02 -0.02 0.02 units", "-0.02 0.0236 -0.02 0.02 -0.02 0.02 units")
+        text = edit(
+            edit(free("yes"), "processors   * * *", f"processors   {grid}"),
+            "-0.02 0.02 -0.02 0.02 -0.02 0.02 units",
+            "-0.02 0.0236 -0.02 0.02 -0.02 0.02 units",
+        )
         result = run(text + quantities + MOMENTA + thermo(10, STATE) + "run 40000\n", tmp_path / str(ranks), ranks)
         found[ranks] = result.table(), result.points(40000), result.output
     (one, points, _), (two, others, output) = found[1], found[2]
@@ -183,7 +191,7 @@ def test_fall(substeps, tmp_path, figures):
     since = substeps * STEP * (t["step"] - t["step"][0])
     for name, share in zip(MOMENTUM_COLUMNS[:3], np.array([1, 2, 3]) / 14**0.5):
         gained = (t[name] - t[name][0])[1:] / (mass * 20000 * share * since[1:])
-        figures.below(f"{substeps} sub-steps: {name} gained over weight times time, less 1", np.abs(gained - 1)[len(gained) // 4:].max(), 2e-5)
+        figures.below(f"{substeps} sub-steps: {name} gained over weight times time, less 1", np.abs(gained - 1)[len(gained) // 4 :].max(), 2e-5)
     figures.below(f"{substeps} sub-steps: energy imbalance", np.abs(t["f_cem[12]"]).max(), 3e-3)
 
 
@@ -194,8 +202,13 @@ def test_halves_on_two_ranks(tmp_path, figures):
     for ranks, grid in ((1, "* * *"), (2, "1 1 2")):
         motion = FREE.replace("1500", "0").replace("100*z", "60*z")
         # the cut is above the bond, which both halves pass at different times
-        text = edit(broken("yes", motion=motion.replace("+60*z", "+5+60*z"), shape="hourglass", gap=1.2e-3, cement="outer 1.6e-3 waist 0.6", half_box=(0.02, 0.02, 0.02)),
-                    "processors   * * *", f"processors   {grid}")
+        text = edit(
+            broken(
+                "yes", motion=motion.replace("+60*z", "+5+60*z"), shape="hourglass", gap=1.2e-3, cement="outer 1.6e-3 waist 0.6", half_box=(0.02, 0.02, 0.02)
+            ),
+            "processors   * * *",
+            f"processors   {grid}",
+        )
         text = edit(text, "-0.02 0.02 -0.02 0.02 -0.02 0.02 units", "-0.02 0.02 -0.02 0.02 -0.02 0.0236 units")
         found[ranks] = run(text + MOMENTA + thermo(10, columns) + "run 24000\n", tmp_path / str(ranks), ranks)
     assert int(re.search(r"^Nlocal: +\S+ ave \S+ max (\d+) min", found[2].output, re.M)[1]) > 200, "both ranks have points at the end"

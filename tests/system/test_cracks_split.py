@@ -4,7 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
-from scenes import (MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, in_cells, launch, pair, point_quantities, pull, restarted, run, shift, thermo)
+from scenes import MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, in_cells, launch, pair, point_quantities, pull, restarted, run, shift, thermo
 from test_point_file import read, write
 
 CELL, ASKEW = 3e-4, (0.3, -0.2, 1.0)
@@ -21,8 +21,13 @@ def pulled(words=""):
 
 
 def script(processors="* * *"):
-    return (pair(CELL / 2, processors=processors, **BOND) + pulled() + f"run {BEFORE}\nwrite_restart middle.restart\n" + dump(BEFORE + AFTER, COLUMNS[1:])
-            + f"run {AFTER}\n")
+    return (
+        pair(CELL / 2, processors=processors, **BOND)
+        + pulled()
+        + f"run {BEFORE}\nwrite_restart middle.restart\n"
+        + dump(BEFORE + AFTER, COLUMNS[1:])
+        + f"run {AFTER}\n"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -44,20 +49,30 @@ def test_same_on_ranks(one_rank, tmp_path, figures, ranks, processors):
     other = run(script(processors), tmp_path, ranks)
     a, b = one_rank.table(), other.table()
     assert a["f_bond[18]"][-1] > 500 and (a["f_bond[18]"] == b["f_bond[18]"]).all() and (a["f_bond[22]"] == b["f_bond[22]"]).all()
-    figures.below(f"cracks split, {ranks} ranks cut {processors}: bond force against 1 rank, over the peak",
-                  (abs(a["f_bond"] - b["f_bond"]) / a["f_bond"].max()).max(), 1e-12)
+    figures.below(
+        f"cracks split, {ranks} ranks cut {processors}: bond force against 1 rank, over the peak",
+        (abs(a["f_bond"] - b["f_bond"]) / a["f_bond"].max()).max(),
+        1e-12,
+    )
     p, q = one_rank.points(BEFORE + AFTER), other.points(BEFORE + AFTER)
-    figures.below(f"cracks split, {ranks} ranks: points failed on one and not the other, of {p['c_failed'].sum():.0f}",
-                  (p["c_failed"] != q["c_failed"]).sum(), 0)
+    figures.below(
+        f"cracks split, {ranks} ranks: points failed on one and not the other, of {p['c_failed'].sum():.0f}", (p["c_failed"] != q["c_failed"]).sum(), 0
+    )
 
 
 def test_hat_functions_on_ranks(tmp_path, figures):
     """The added mass depends on the eigenvalue, which is found anew where nodes split: of whole bonds, whichever rank has them."""
-    tables = {n: run(pair(CELL / 2, processors=processors, **BOND) + edit(pulled(), "mpm cell", "mpm basis linear cell") + "run 420\n", tmp_path / str(n), n).table()
-              for n, processors in ((1, "* * *"), (2, "1 1 2"))}
+    tables = {
+        n: run(pair(CELL / 2, processors=processors, **BOND) + edit(pulled(), "mpm cell", "mpm basis linear cell") + "run 420\n", tmp_path / str(n), n).table()
+        for n, processors in ((1, "* * *"), (2, "1 1 2"))
+    }
     one, two = tables.values()
     assert one["f_bond[18]"][-1] > 300 and (one["f_bond[18]"] == two["f_bond[18]"]).all()
-    figures.below("linear basis, nodes that split, 2 ranks: bond force against 1 rank, over the peak", abs(one["f_bond"] - two["f_bond"]).max() / one["f_bond"].max(), 7e-13)
+    figures.below(
+        "linear basis, nodes that split, 2 ranks: bond force against 1 rank, over the peak",
+        abs(one["f_bond"] - two["f_bond"]).max() / one["f_bond"].max(),
+        7e-13,
+    )
 
 
 @pytest.mark.parametrize("off", ["7.5e-5 0 0", "0 7.5e-5 7.5e-5"])
@@ -85,24 +100,41 @@ def test_nonlocal_on_ranks(tmp_path, figures):
 MENISCUS = dict(shape="meniscus", cement="neck 1.6e-3 inner 8e-4")
 
 
-@pytest.mark.parametrize("bond, cell, dt, words, speed, steps", [(BOND, CELL, 8e-9, f"{DAMAGE} regularization nonlocal {CELL}", 3.0, 700),
-                                                             (BOND, CELL, 8e-9, f"{DAMAGE} quasistatic 1 0.2", 3.0, 600),
-                                                             (MENISCUS, 2e-4, 1.2e-8, "damage tensor B0 9.6e6 cutoff 0.9 viscosity 1e-6 cracks split", 12.0, 1000)],
-                         ids=["flat", "damped", "meniscus"])
+@pytest.mark.parametrize(
+    "bond, cell, dt, words, speed, steps",
+    [
+        (BOND, CELL, 8e-9, f"{DAMAGE} regularization nonlocal {CELL}", 3.0, 700),
+        (BOND, CELL, 8e-9, f"{DAMAGE} quasistatic 1 0.2", 3.0, 600),
+        (MENISCUS, 2e-4, 1.2e-8, "damage tensor B0 9.6e6 cutoff 0.9 viscosity 1e-6 cracks split", 12.0, 1000),
+    ],
+    ids=["flat", "damped", "meniscus"],
+)
 @pytest.mark.parametrize("ranks, processors", [(1, "* * *"), (2, "1 1 2")])
 def test_failed_points_without_nodes(tmp_path, figures, bond, cell, dt, words, speed, steps, ranks, processors):
     """Blocks whose points have all failed have aliases of nodes. With `skip failed no` they have nodes of their own, and go through the pass. In the
     meniscus intact points join such blocks again."""
     found = []
     for skip in ("yes", "no"):
-        found.append(run(pair(cell / 2, processors=processors, **bond) + cement(cell, dt, axis="radial", damage=f"{words} skip failed {skip}")
-                         + pull(speed, 2e-6, bond.get("direction", (0, 0, 1))) + OUTPUT + thermo(EVERY, SCALARS) + dump(steps, COLUMNS[1:4])
-                         + f"run {steps}\n", tmp_path / skip, ranks))
+        found.append(
+            run(
+                pair(cell / 2, processors=processors, **bond)
+                + cement(cell, dt, axis="radial", damage=f"{words} skip failed {skip}")
+                + pull(speed, 2e-6, bond.get("direction", (0, 0, 1)))
+                + OUTPUT
+                + thermo(EVERY, SCALARS)
+                + dump(steps, COLUMNS[1:4])
+                + f"run {steps}\n",
+                tmp_path / skip,
+                ranks,
+            )
+        )
     p, q = (done.points(steps) for done in found)
     t, u = (done.table() for done in found)
     assert t["f_bond[18]"][-1] > 500 and (t["f_bond[22]"] == u["f_bond[22]"]).all()
     name = f"cracks split, {bond['shape']}{', damped' if 'quasistatic' in words else ''}, {ranks} ranks"
-    figures.below(f"{name}: place of points that failed, with and without nodes of their own, over the cell", max(abs(p[c] - q[c]).max() for c in "xyz") / cell, 2e-11)
+    figures.below(
+        f"{name}: place of points that failed, with and without nodes of their own, over the cell", max(abs(p[c] - q[c]).max() for c in "xyz") / cell, 2e-11
+    )
     figures.below(f"{name}: bond force with and without nodes of failed points, over the peak", abs(t["f_bond"] - u["f_bond"]).max() / t["f_bond"].max(), 6e-12)
 
 
@@ -112,8 +144,18 @@ def test_damped_sides_on_ranks(tmp_path, figures, cracks):
     tables = []
     for ranks, processors in ((1, "* * *"), (2, "1 1 2")):
         words = f"{DAMAGE} quasistatic 1 0.1".replace("cracks split", f"cracks {cracks}")
-        tables.append(run(pair(CELL / 2, processors=processors, **BOND) + cement(CELL, 8e-9, axis="radial", damage=words) + pull(3.0, 2e-6, ASKEW) + OUTPUT
-                          + thermo(EVERY, SCALARS) + "run 900\n", tmp_path / str(ranks), ranks).table())
+        tables.append(
+            run(
+                pair(CELL / 2, processors=processors, **BOND)
+                + cement(CELL, 8e-9, axis="radial", damage=words)
+                + pull(3.0, 2e-6, ASKEW)
+                + OUTPUT
+                + thermo(EVERY, SCALARS)
+                + "run 900\n",
+                tmp_path / str(ranks),
+                ranks,
+            ).table()
+        )
     a, b = tables
     assert a["f_bond[22]"][-1] == 1 and (a["f_bond[22]"] == b["f_bond[22]"]).all()
     figures.below(f"cracks {cracks}, damped: bond force on 2 ranks against 1, over the peak", abs(a["f_bond"] - b["f_bond"]).max() / a["f_bond"].max(), 1e-12)
@@ -133,8 +175,18 @@ def test_strain_of_failed_points_while_condensed(tmp_path, figures):
         write(tmp_path / skip / "cement.txt", points)
         words = f"damage tensor B0 9.6e4 cutoff 0.9 cracks split condense yes wake 0.02 skip failed {skip}"
         made = edit(pair(cell / 2, cement="inner 0 outer 1.5e-3", **bond), "shape flat inner 0 outer 1.5e-3 film grid", "file cement.txt")
-        found.append(run(made + cement(cell, 4e-9, axis="radial", damage=words) + pull(0.5, 2e-6) + point_quantities(["failed"] + columns)
-                         + thermo(4, ["f_bond", "f_cem[24]"]) + dump(20, ["c_failed"] + [f"c_{c}" for c in columns]) + f"run {steps}\n", tmp_path / skip))
+        found.append(
+            run(
+                made
+                + cement(cell, 4e-9, axis="radial", damage=words)
+                + pull(0.5, 2e-6)
+                + point_quantities(["failed"] + columns)
+                + thermo(4, ["f_bond", "f_cem[24]"])
+                + dump(20, ["c_failed"] + [f"c_{c}" for c in columns])
+                + f"run {steps}\n",
+                tmp_path / skip,
+            )
+        )
     awake = found[0].table()["f_cem[24]"]
     assert awake[5] == 0 and awake[-1] == 1
     for step, state in ((20, "condensed"), (steps, "awake again")):
@@ -146,8 +198,10 @@ def test_strain_of_failed_points_while_condensed(tmp_path, figures):
             figures.below(f"{state}: {name} of points that failed, with and without nodes of their own", worst, 1e-8)
 
 
-@pytest.mark.parametrize("gap, edge, outer, cracked, ranks", [(0.0, "", 2e-3, True, 1), (0.0, "", 2e-3, True, 2), (2e-4, "edge free", 2e-3, True, 1),
-                                                              (0.0, "edge free", 1.7e-3, False, 1)])
+@pytest.mark.parametrize(
+    "gap, edge, outer, cracked, ranks",
+    [(0.0, "", 2e-3, True, 1), (0.0, "", 2e-3, True, 2), (2e-4, "edge free", 2e-3, True, 1), (0.0, "edge free", 1.7e-3, False, 1)],
+)
 def test_what_holds_by_almost_nothing_stays_resolved(tmp_path, gap, edge, outer, cracked, ranks):
     """Points of a ring failed in a file, or its edge is free. Where nodes hold by almost nothing, statics moves them by metres: such a bond is not condensed.
 
@@ -167,10 +221,15 @@ def test_what_holds_by_almost_nothing_stays_resolved(tmp_path, gap, edge, outer,
         write(folder / "cement.txt", points)
         words = f"damage tensor B0 9.6e4 cutoff 0.9 cracks split {edge} condense {condense}"
         made = edit(pair(cell / 2, cement=cem, **ring), f"shape flat {in_cells(cem)}", "file cement.txt")
-        found.append(run(made + cement(cell, 4e-9, axis="radial", damage=words) + pull(0.5, 2e-6) + thermo(10, ["f_bond", "f_cem[24]"]) + "run 600\n", folder, ranks))
+        found.append(
+            run(made + cement(cell, 4e-9, axis="radial", damage=words) + pull(0.5, 2e-6) + thermo(10, ["f_bond", "f_cem[24]"]) + "run 600\n", folder, ranks)
+        )
     resolved, asked = (done.table()["f_bond"] for done in found)
     assert resolved.max() > 200 and (asked == resolved).all()
-    assert "condensed 0 of 1 bonds, with 0 solutions found anew; 1 stay resolved, since pieces of them are connected by almost nothing: of grains 1 and 2" in (tmp_path / "ye" / "log.liggghts").read_text()
+    assert (
+        "condensed 0 of 1 bonds, with 0 solutions found anew; 1 stay resolved, since pieces of them are connected by almost nothing: of grains 1 and 2"
+        in (tmp_path / "ye" / "log.liggghts").read_text()
+    )
 
 
 def test_restart(one_rank, tmp_path, figures):
@@ -180,7 +239,7 @@ def test_restart(one_rank, tmp_path, figures):
     different = [c for c in p if (p[c] != q[c]).any()]
     assert not different, different
     for name, column in other.table().items():
-        assert (one_rank.table()[name][-AFTER // EVERY - 1:] == column).all(), name
+        assert (one_rank.table()[name][-AFTER // EVERY - 1 :] == column).all(), name
     figures.note("cracks split, restart while points fail", f"{len(p)} columns bitwise equal")
 
 
@@ -200,7 +259,7 @@ def test_run_in_parts(tmp_path, figures, ranks, processors):
     different = [c for c in q if (q[c] != r[c]).any()]
     assert not different, different
     force, forces = parts.table()["f_bond"], on.table()["f_bond"]
-    assert (force[-len(forces) + 1:] == forces[1:]).all()
+    assert (force[-len(forces) + 1 :] == forces[1:]).all()
 
 
 def test_damping_of_the_sides(tmp_path, figures):
@@ -226,10 +285,16 @@ def test_other_option(one_rank, tmp_path):
 def test_momentum(tmp_path, figures, ranks):
     """Free grains fly apart: node splitting keeps momentum and angular momentum."""
     leaving = "velocity second set 0.3 -0.2 1\nfix motion grains nve/sphere\n"
-    table = run(pair(CELL / 2, **{**BOND, "half_box": 3 * (16e-3,)})
-                + cement(CELL, 8e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 cracks split", couple="kn 2e12 kt 3e11")
-                + leaving + MOMENTA + thermo(20, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"]) + "run 1200\n",
-                tmp_path, ranks).table()
+    table = run(
+        pair(CELL / 2, **{**BOND, "half_box": 3 * (16e-3,)})
+        + cement(CELL, 8e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 cracks split", couple="kn 2e12 kt 3e11")
+        + leaving
+        + MOMENTA
+        + thermo(20, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"])
+        + "run 1200\n",
+        tmp_path,
+        ranks,
+    ).table()
     assert table["f_bond[22]"][-1] == 1
     P = np.array([table[c] for c in MOMENTUM_COLUMNS])
     linear, angular = (np.linalg.norm(p - p[:, :1], axis=0).max() for p in (P[:3], P[3:]))
@@ -240,10 +305,15 @@ def test_momentum(tmp_path, figures, ranks):
 
 def test_momentum_where_supports_end(tmp_path, figures):
     """The grid is half a spacing off: all intact material of a node may lie where its support ends, and the node keeps what failed points left there."""
-    table = run(pair(CELL / 2, gap=6e-4, cement="outer 1.5e-3 grid 7.5e-5 7.5e-5 0", half_box=3 * (16e-3,))
-                + cement(CELL, 2.4e-8, elastic=(6e10, 6e10, 0.2, 0.2, 2.5e10), damage="damage tensor B0 9.6e3 cracks split", couple="kn auto kt auto")
-                + "velocity second set 0.1 0.15 0.5\nfix motion grains nve/sphere\n" + MOMENTA
-                + thermo(1, MOMENTUM_COLUMNS + ["f_bond[18]", "f_bond[22]"]) + "run 300\n", tmp_path).table()
+    table = run(
+        pair(CELL / 2, gap=6e-4, cement="outer 1.5e-3 grid 7.5e-5 7.5e-5 0", half_box=3 * (16e-3,))
+        + cement(CELL, 2.4e-8, elastic=(6e10, 6e10, 0.2, 0.2, 2.5e10), damage="damage tensor B0 9.6e3 cracks split", couple="kn auto kt auto")
+        + "velocity second set 0.1 0.15 0.5\nfix motion grains nve/sphere\n"
+        + MOMENTA
+        + thermo(1, MOMENTUM_COLUMNS + ["f_bond[18]", "f_bond[22]"])
+        + "run 300\n",
+        tmp_path,
+    ).table()
     assert table["f_bond[18]"][-1] > 900 and table["f_bond[22]"][-1] == 1
     P = np.array([table[c] for c in MOMENTUM_COLUMNS[:3]])
     figures.below("points where supports end: drift of momentum", np.linalg.norm(P - P[:, :1], axis=0).max() / np.linalg.norm(P[:, 0]), 3e-14)
@@ -262,9 +332,14 @@ def test_cut_but_for_a_point(tmp_path, figures):
     for name in ("whole", "bonds", "split"):
         columns["failed"] = (plane & ~bridge & (name != "whole")).astype(float)
         write(tmp_path / name / "cement.txt", columns)
-        t = run(edit(scene, f"shape flat {in_cells(words)}", "file cement.txt")
-                + cement(CELL, 8e-9, axis="radial", damage=f"damage tensor B0 9.6e9 cutoff 0.9 cracks {name.replace('whole', 'bonds')}")
-                + shift(1e-9, 2e-6) + thermo(5, ["f_bond", "f_bond[22]"]) + "run 1000\n", tmp_path / name).table()
+        t = run(
+            edit(scene, f"shape flat {in_cells(words)}", "file cement.txt")
+            + cement(CELL, 8e-9, axis="radial", damage=f"damage tensor B0 9.6e9 cutoff 0.9 cracks {name.replace('whole', 'bonds')}")
+            + shift(1e-9, 2e-6)
+            + thermo(5, ["f_bond", "f_bond[22]"])
+            + "run 1000\n",
+            tmp_path / name,
+        ).table()
         force[name] = t["f_bond"][-100:].mean()
         assert t["f_bond[22]"][-1] == (name == "split")
     figures.note("cut but for a point, shared nodes: force over that of the whole bond", f"{force['bonds'] / force['whole']:.4f}")
@@ -276,13 +351,20 @@ def test_new_cement_leaves_other_bonds_alone(tmp_path, figures):
     third = "create_atoms 1 single -0.0098 0 -0.003 units box\n"
     scene = edit(pair(CELL / 2, shape="flat", cement="inner 1e-3 outer 2.2e-3", half_box=3 * (15e-3,)), "set          type 1", third + "set          type 1")
     columns = [f"f_bond[1][{n}]" for n in (14, 18)]
-    words = (cement(CELL, 8e-9, axis="radial", damage=f"{DAMAGE} check 1000") + pull(3.0, 2e-6) + "group third id 3\nfix third third move linear 0 0 0\n"
-             + thermo(1, columns))
+    words = (
+        cement(CELL, 8e-9, axis="radial", damage=f"{DAMAGE} check 1000")
+        + pull(3.0, 2e-6)
+        + "group third id 3\nfix third third move linear 0 0 0\n"
+        + thermo(1, columns)
+    )
     more = f"create_cement calcite pair 1 3 shape flat content 0.005 inner auto spacing {CELL / 2:.15g}\n"
     for cut in (215, 274):
         alone, beside = (run(scene + words + f"run {cut}\n{made}run 60\n", tmp_path / f"{cut}{bool(made)}").table() for made in ("", more))
         failed = alone["f_bond[1][18]"]
         assert failed[cut] > failed[cut - 5] > 0
         assert (failed == beside["f_bond[1][18]"]).all()
-        figures.below(f"cement made at step {cut}: force of the other bond, over the peak",
-                      abs(alone["f_bond[1][14]"] - beside["f_bond[1][14]"]).max() / abs(alone["f_bond[1][14]"]).max(), 1e-12)
+        figures.below(
+            f"cement made at step {cut}: force of the other bond, over the peak",
+            abs(alone["f_bond[1][14]"] - beside["f_bond[1][14]"]).max() / abs(alone["f_bond[1][14]"]).max(),
+            1e-12,
+        )

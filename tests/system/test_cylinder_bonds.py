@@ -33,9 +33,11 @@ AREA, INERTIA = math.pi * A**2, math.pi / 4 * A**4
 
 def bar(load, cell, kn):
     """Bar of the mean length of its fibres and the springs of the links at both ends, in series."""
-    modulus, section, sag = {"tension": (NO_POISSON[1], AREA, A**2 / (2 * RADIUS)),
-                             "torsion": (NO_POISSON[4], 2 * INERTIA, 2 * A**2 / (3 * RADIUS)),
-                             "bending": (NO_POISSON[1], INERTIA, 2 * A**2 / (3 * RADIUS))}[load]
+    modulus, section, sag = {
+        "tension": (NO_POISSON[1], AREA, A**2 / (2 * RADIUS)),
+        "torsion": (NO_POISSON[4], 2 * INERTIA, 2 * A**2 / (3 * RADIUS)),
+        "bending": (NO_POISSON[1], INERTIA, 2 * A**2 / (3 * RADIUS)),
+    }[load]
     return 1 / ((LENGTH + sag) / (modulus * section) + 2 * cell / (kn * section))
 
 
@@ -47,11 +49,9 @@ def test_closed_forms(load, limit, stiff, tmp_path, figures):
     words = f"outer {A:.15g} inner 0"
     errors = []
     for cell in (COARSE, FINE):
-        k = measure(tmp_path / f"{cell}", load, "flat", words, cell, gap=LENGTH, radius=RADIUS, elastic=NO_POISSON,
-                    kn=f"{kn:.15g}")
+        k = measure(tmp_path / f"{cell}", load, "flat", words, cell, gap=LENGTH, radius=RADIUS, elastic=NO_POISSON, kn=f"{kn:.15g}")
         errors.append(k / bar(load, cell, kn) - 1)
-    figures.note(f"cylinder, no Poisson's effect, kn {stiff} Ez, {load}: signed errors at 4 and 8 cells across",
-                 " ".join(f"{e:+.4f}" for e in errors))
+    figures.note(f"cylinder, no Poisson's effect, kn {stiff} Ez, {load}: signed errors at 4 and 8 cells across", " ".join(f"{e:+.4f}" for e in errors))
     figures.below(f"cylinder, no Poisson's effect, kn {stiff} Ez, {load}: error at 8 cells across", abs(errors[1]), limit)
 
 
@@ -67,8 +67,7 @@ def test_links_at_the_points(tmp_path, figures):
     points = read(tmp_path / "made" / "cement.txt")
     ends = [np.average(points["z"], weights=points[area]) for area in ("area_i", "area_j")]
     bar = 1 / (abs(ends[1] - ends[0]) / (NO_POISSON[1] * AREA) + 2 * cell / (kn * AREA))
-    k = measure(tmp_path, "tension", "flat", words, cell, gap=LENGTH, radius=RADIUS, elastic=NO_POISSON, kn=f"{kn:.15g}",
-                at="points")
+    k = measure(tmp_path, "tension", "flat", words, cell, gap=LENGTH, radius=RADIUS, elastic=NO_POISSON, kn=f"{kn:.15g}", at="points")
     figures.note("cylinder, links at the points: share of its length between the points", f"{abs(ends[1] - ends[0]) / LENGTH:.4f}")
     figures.below("cylinder, links at the points, tension: error at 8 cells across", abs(k / bar - 1), 0.02)
 

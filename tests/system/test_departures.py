@@ -16,23 +16,31 @@ DELETE = "delete_atoms group {} compress no\n"
 
 
 def fixes(more, B0, extra="", couple=""):
-    return (f"timestep 4e-7\n{extra}"
-            f"fix cem calcite mpm cell 4e-4 elastic isotropic 1e8 0.25 damage tensor B0 {B0} check 10 {more}\n"
-            f"fix bond grains mpm/couple cem {couple} csv 100 bond.csv\nfix motion grains nve/sphere\n"
-            "variable mass atom mass\ncompute mass calcite reduce sum v_mass\n" + thermo(50, COLUMNS))
+    return (
+        f"timestep 4e-7\n{extra}"
+        f"fix cem calcite mpm cell 4e-4 elastic isotropic 1e8 0.25 damage tensor B0 {B0} check 10 {more}\n"
+        f"fix bond grains mpm/couple cem {couple} csv 100 bond.csv\nfix motion grains nve/sphere\n"
+        "variable mass atom mass\ncompute mass calcite reduce sum v_mass\n" + thermo(50, COLUMNS)
+    )
 
 
 def scene(more="cracks split", B0=1e5, pull=2.0, side=0.012, high=0.0046, extra="", couple=""):
     """The upper bead of a pair flies up at `pull` and takes cement along, since the bond comes off the lower one first."""
-    return (host() + f"""\
+    return (
+        host()
+        + f"""\
 region       box block -0.012 {side} -0.012 0.012 -0.012 {high} units box
 create_box   2 box
 create_atoms 1 single 0 0 -0.0036 units box
 create_atoms 1 single 0 0 0.0036 units box
 set          type 1 diameter 0.0072 density 2500
 group        grains type 1
-""" + NEIGHBOURS + "create_cement calcite pair 1 2 shape flat outer 1.5e-3 inner auto spacing 2e-4\n"
-        + f"group lower id 1\ngroup upper id 2\nvelocity upper set 0 0 {pull}\n" + fixes(more, B0, extra, couple))
+"""
+        + NEIGHBOURS
+        + "create_cement calcite pair 1 2 shape flat outer 1.5e-3 inner auto spacing 2e-4\n"
+        + f"group lower id 1\ngroup upper id 2\nvelocity upper set 0 0 {pull}\n"
+        + fixes(more, B0, extra, couple)
+    )
 
 
 def check_books(table, figures, name, energy):
@@ -58,8 +66,16 @@ def test_grain_leaves(tmp_path, figures, ranks):
     assert len(rows) == 21 and not any(v in ("nan", "inf", "-nan", "-inf") for v in rows[-1].values()) and float(rows[-1]["points"]) == 0
 
 
-@pytest.mark.parametrize("more, couple, energy", [("cracks split", "", 1.3e-5), ("cracks split subcycle 2", "", 2e-5), ("cracks split", "friction 0.3", 1.3e-4),
-                                                  ("condense yes", "", 4e-15), ("condense yes cracks split", "", 4e-15)])
+@pytest.mark.parametrize(
+    "more, couple, energy",
+    [
+        ("cracks split", "", 1.3e-5),
+        ("cracks split subcycle 2", "", 2e-5),
+        ("cracks split", "friction 0.3", 1.3e-4),
+        ("condense yes", "", 4e-15),
+        ("condense yes cracks split", "", 4e-15),
+    ],
+)
 def test_what_is_connected_to_the_other_grain_stays(tmp_path, figures, more, couple, energy):
     t = run(scene(more, couple=couple) + "run 2000\n", tmp_path).table()
     check_books(t, figures, f"{more} {couple}", energy)
@@ -81,8 +97,10 @@ def test_goes_on_from_a_file(tmp_path, couple, ranks):
     for first in (600, 1500):
         a = run(scene(side=0.0025, extra=WEIGHT, couple=couple) + f"run {first}\nwrite_restart middle.restart\nprint MIDDLE\nrun 800\n", tmp_path, ranks)
         b = run(restarted("middle.restart") + fixes("cracks split", 1e5, WEIGHT, couple) + "run 800\n", tmp_path, ranks, name="in.continued")
-        rows = [[line for line in text.splitlines() if line.split()[:1] and line.split()[0].isdigit() and len(line.split()) == 1 + len(COLUMNS)]
-                for text in (a.output.split("MIDDLE")[-1], b.output)]
+        rows = [
+            [line for line in text.splitlines() if line.split()[:1] and line.split()[0].isdigit() and len(line.split()) == 1 + len(COLUMNS)]
+            for text in (a.output.split("MIDDLE")[-1], b.output)
+        ]
         assert len(rows[0]) == 17 and rows[0] == rows[1]
         assert float(rows[0][-1].split()[1 + COLUMNS.index(LEFT_POINTS)]) > 0
 
@@ -117,8 +135,10 @@ DELETIONS = {
     "a grain": (DELETE.format("upper"), lambda n: 0 < n < 464),
     "both grains": (DELETE.format("grains"), lambda n: 0 < n < 464),
     "the cement of a separated bond": (DELETE.format("calcite"), lambda n: n == 0),
-    "a grain, and cement with it": ("region r block INF INF INF INF 2e-4 INF units box\ngroup r region r\ngroup gone union r upper\n" + DELETE.format("gone"),
-                                    lambda n: 0 < n < 464),
+    "a grain, and cement with it": (
+        "region r block INF INF INF INF 2e-4 INF units box\ngroup r region r\ngroup gone union r upper\n" + DELETE.format("gone"),
+        lambda n: 0 < n < 464,
+    ),
     "all": ("group gone union calcite grains\n" + DELETE.format("gone"), lambda n: n == 0),
     "a grain before a file": (DELETE.format("upper") + "write_restart some.restart\n", lambda n: 0 < n < 464),
 }
@@ -137,7 +157,10 @@ def test_deleted(tmp_path, figures, name):
 
 
 def test_pair_deleted_before_it_breaks(tmp_path):
-    run(scene(pull=0.0) + "run 50\ngroup gone union calcite grains\n" + DELETE.format("gone") + "run 50\nthermo_style one\nunfix bond\nunfix cem\nrun 50\n", tmp_path)
+    run(
+        scene(pull=0.0) + "run 50\ngroup gone union calcite grains\n" + DELETE.format("gone") + "run 50\nthermo_style one\nunfix bond\nunfix cem\nrun 50\n",
+        tmp_path,
+    )
 
 
 def test_pair_without_points_deleted(tmp_path):
@@ -149,24 +172,38 @@ def test_pair_without_points_deleted(tmp_path):
 
 def test_mesh_deletes_grains(tmp_path):
     """A fix that deletes atoms takes the cement of a separated bond with them, wherever it stands among the fixes."""
-    (tmp_path / "lid.stl").write_text("solid lid\n" + "".join(
-        "facet normal 0 0 1\nouter loop\n" + "".join(f"vertex {x} {y} 0.0042\n" for x, y in corners) + "endloop\nendfacet\n"
-        for corners in (((-.01, -.01), (.01, -.01), (.01, .01)), ((-.01, -.01), (.01, .01), (-.01, .01)))) + "endsolid lid\n")
-    lid = ("fix lid all mesh/surface file lid.stl type 1\n"
-           "fix count grains massflow/mesh mesh lid vec_side 0 0 1 count once delete_atoms yes\n")
+    (tmp_path / "lid.stl").write_text(
+        "solid lid\n"
+        + "".join(
+            "facet normal 0 0 1\nouter loop\n" + "".join(f"vertex {x} {y} 0.0042\n" for x, y in corners) + "endloop\nendfacet\n"
+            for corners in (((-0.01, -0.01), (0.01, -0.01), (0.01, 0.01)), ((-0.01, -0.01), (0.01, 0.01), (-0.01, 0.01)))
+        )
+        + "endsolid lid\n"
+    )
+    lid = "fix lid all mesh/surface file lid.stl type 1\n" "fix count grains massflow/mesh mesh lid vec_side 0 0 1 count once delete_atoms yes\n"
     t = run(scene(high=0.012) + lid + "run 2000\n", tmp_path).table()
     assert t["atoms"][-1] == 1 + t[POINTS][-1] and t[LEFT_POINTS][-1] > 0
 
 
 # name: (script, words of the message)
 STOPS = {
-    "joined grain leaves": (scene(B0=1e12, pull=2.0, high=0.0037, extra="") + "velocity lower set 0 0 2\nrun 2000\n", ["grain 2", "is lost at step", "larger box"]),
+    "joined grain leaves": (
+        scene(B0=1e12, pull=2.0, high=0.0037, extra="") + "velocity lower set 0 0 2\nrun 2000\n",
+        ["grain 2", "is lost at step", "larger box"],
+    ),
     "joined grain deleted": (scene(B0=1e12, pull=0.0) + "run 50\n" + DELETE.format("upper") + "run 50\n", ["grain 2", "not separated", "keep"]),
-    "attached points deleted": (scene() + "run 300\nregion r block 0 INF INF INF INF INF units box\ngroup r region r\ngroup gone subtract r grains\n"
-                                + DELETE.format("gone") + "run 50\n", ["hold to grains which stay", "cannot"]),
+    "attached points deleted": (
+        scene()
+        + "run 300\nregion r block 0 INF INF INF INF INF units box\ngroup r region r\ngroup gone subtract r grains\n"
+        + DELETE.format("gone")
+        + "run 50\n",
+        ["hold to grains which stay", "cannot"],
+    ),
     "stiffness before the next run": (scene() + "run 300\n" + DELETE.format("upper") + "bond_stiffness bonds.csv\n", ["grain 2", "'run 0'", "separated"]),
-    "attached points leave": (scene(side=0.001, B0=1e12, pull=0.0, extra="fix weight calcite gravity 2e7 vector 1 0 0\n").replace("-0.012 0.001", "-0.012 0.00155")
-                              + "run 2000\n", ["material point", "left the simulation box", "larger"]),
+    "attached points leave": (
+        scene(side=0.001, B0=1e12, pull=0.0, extra="fix weight calcite gravity 2e7 vector 1 0 0\n").replace("-0.012 0.001", "-0.012 0.00155") + "run 2000\n",
+        ["material point", "left the simulation box", "larger"],
+    ),
 }
 
 

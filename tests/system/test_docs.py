@@ -28,8 +28,7 @@ ROOT = Path(__file__).parents[2]
 DOC = sorted((ROOT / "doc").rglob("*.md"))
 TOP = [ROOT / name for name in ("CONTRIBUTING.md", "CHANGELOG.md", "patches/README.md")]
 PAGES = [ROOT / "README.md"] + DOC + TOP
-KINDS = {"liggghts", "liggghts-restart", "liggghts-fragment", "liggghts-specimen", "liggghts-template", "sh", "sh-template",
-         "python", "text"}
+KINDS = {"liggghts", "liggghts-restart", "liggghts-fragment", "liggghts-specimen", "liggghts-template", "sh", "sh-template", "python", "text"}
 FENCED = re.compile(r"^( *)```([^\n]*)\n(.*?)^\1```", re.M | re.S)
 SECTIONS = ["Syntax", "Examples", "Description", "Restart", "Restrictions", "Related commands", "Default"]
 
@@ -63,8 +62,7 @@ def indented(page):
 
 
 SCRIPTS = [pytest.param(text, id=page.stem) for page, text in blocks("liggghts")]
-LINES = [pytest.param(line, id=f"{page.stem}:{' '.join(line.split()[:4])[:40]}")
-         for page, text in blocks("liggghts-fragment") for line in text.splitlines()]
+LINES = [pytest.param(line, id=f"{page.stem}:{' '.join(line.split()[:4])[:40]}") for page, text in blocks("liggghts-fragment") for line in text.splitlines()]
 
 
 @pytest.mark.parametrize("script", SCRIPTS)
@@ -88,14 +86,14 @@ def test_first_script(tmp_path):
     """README's first script pulls the pair apart, under heads that are words, and what it shows for a restart file
     goes on from the middle to the same end."""
     first = next(t for page, t in blocks("liggghts") if page.name == "README.md")
-    (_, text), = blocks("liggghts-restart")
+    ((_, text),) = blocks("liggghts-restart")
     whole = run(first, tmp_path)
     continued = run(text, tmp_path, name="in.continued")
     rows = []
     for result in (whole, continued):
-        heads, = set(re.findall(r"^ +Step .*$", result.output, re.M))
+        (heads,) = set(re.findall(r"^ +Step .*$", result.output, re.M))
         assert heads.split() == ["Step", "Time", "gap_um", "tension", "failed", "apart"]
-        mode, = re.findall(r"^fix mpm \(id cem\): bond 1 of grains 1 and 2: (\w+), ", result.output.split("Setting up run")[-1], re.M)
+        (mode,) = re.findall(r"^fix mpm \(id cem\): bond 1 of grains 1 and 2: (\w+), ", result.output.split("Setting up run")[-1], re.M)
         assert mode in ("debonding", "internal", "mixed")
         rows.append({int(r.split()[0]): r for r in re.findall(r"^ +\d+(?: +\S+){5} *$", result.output, re.M)})
     assert list(rows[0]) == list(range(0, 1100, 100)) and list(rows[1]) == list(range(400, 1100, 100))
@@ -142,12 +140,10 @@ def test_line(line, tmp_path):
     run(script, tmp_path)
 
 
-@pytest.mark.parametrize("page", [p for p in DOC if "## Syntax" in p.read_text()],
-                         ids=lambda p: p.stem)
+@pytest.mark.parametrize("page", [p for p in DOC if "## Syntax" in p.read_text()], ids=lambda p: p.stem)
 def test_order_of_a_page(page):
     heads = re.findall(r"^## (.*)$", page.read_text(), re.M)
-    order = [next((i for i, s in enumerate(SECTIONS) if h.startswith(s) or (s == "Restart" and h == "Output")), -1)
-             for h in heads]
+    order = [next((i for i, s in enumerate(SECTIONS) if h.startswith(s) or (s == "Restart" and h == "Output")), -1) for h in heads]
     assert -1 not in order and order == sorted(order) and len(set(order)) == len(SECTIONS), heads
 
 
@@ -185,8 +181,7 @@ def test_python(script, folders):
     assert done.returncode == 0, done.stderr[-2000:]
 
 
-@pytest.mark.parametrize("page,text", [pytest.param(page, text, id=f"{page.stem}:{' '.join(text.split()[:5])[:40]}")
-                                       for page, text in blocks("sh-template")])
+@pytest.mark.parametrize("page,text", [pytest.param(page, text, id=f"{page.stem}:{' '.join(text.split()[:5])[:40]}") for page, text in blocks("sh-template")])
 def test_template_names_what_there_is(page, text):
     """Of commands that are not run here: their files, targets, presets, options of the tools and variables of the scripts."""
     makefile = (ROOT / "Makefile").read_text()
@@ -304,7 +299,9 @@ def test_files_that_pages_name_are_there():
             if not list(ROOT.glob(name)):
                 missing.append((name_of(page), name))
     package = ROOT / "src/USER-MPDEM"
-    for name in re.findall(r"`((?:numerics|parallel|geometry|material|mpm|fracture|coupling|cement|styles|host)/[\w./*]+)`", (ROOT / "doc/theory.md").read_text()):
+    for name in re.findall(
+        r"`((?:numerics|parallel|geometry|material|mpm|fracture|coupling|cement|styles|host)/[\w./*]+)`", (ROOT / "doc/theory.md").read_text()
+    ):
         if not list(package.glob(name)):
             missing.append(("doc/theory.md", name))
     assert not missing, missing

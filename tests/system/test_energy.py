@@ -13,10 +13,14 @@ FORCES = [f"f_bond[{i}]" for i in (1, 2, 3, 7, 8, 9)]
 @pytest.mark.parametrize("B0, speed", [(9.6e6, 4.0), (9.6e3, 0.1265)])
 def test_pulled_through_failure(tmp_path, figures, B0, speed):
     cell = 2.5e-4
-    script = (pair(cell / 2, cement="content 0.01") + CONTACT
-              + cement(cell, 4e-9, elastic=CALCITE, axis="radial", damage=f"damage tensor B0 {B0} cutoff 0.9")
-              + pull(speed, 4e-6)
-              + thermo(20, ["f_bond", "f_bond[17]", "f_cem[12]"] + FORCES) + "run 2600\n")
+    script = (
+        pair(cell / 2, cement="content 0.01")
+        + CONTACT
+        + cement(cell, 4e-9, elastic=CALCITE, axis="radial", damage=f"damage tensor B0 {B0} cutoff 0.9")
+        + pull(speed, 4e-6)
+        + thermo(20, ["f_bond", "f_bond[17]", "f_cem[12]"] + FORCES)
+        + "run 2600\n"
+    )
     table = run(script, tmp_path).table()
     force, failed = table["f_bond"], table["f_bond[17]"]
     peak = force.argmax()
@@ -41,7 +45,11 @@ def test_balance_through_failure(load, cracks, tmp_path, figures):
     with open(tmp_path / "bond_run.csv") as f:
         rows = list(csv.DictReader(f))
     assert int(rows[-1]["failed"]) > 100
-    figures.below(f"{load}, cracks {cracks}: energy imbalance through failure", max(abs(float(r["energy_imbalance"])) for r in rows), {"bonds": 1e-4, "split": 2e-5}[cracks])
+    figures.below(
+        f"{load}, cracks {cracks}: energy imbalance through failure",
+        max(abs(float(r["energy_imbalance"])) for r in rows),
+        {"bonds": 1e-4, "split": 2e-5}[cracks],
+    )
 
 
 @pytest.mark.parametrize("words", ["", "basis linear", "basis cubic"])
@@ -51,14 +59,17 @@ def test_struck(tmp_path, figures, words):
     cell = 2.5e-4
     for timestep, limit in ((2e-9, 1e-6), (1.2e-8, 1e-5)):
         steps = round(4e-6 / timestep)
-        script = (pair(cell / 2, cement="content 0.01") + CONTACT
-                  + edit(cement(cell, timestep, elastic=CALCITE, axis="radial"), f"cell {cell}", f"cell {cell} {words}")
-                  + "fix motion grains nve/sphere\nvelocity second set 0.03 0.02 0.1\n"
-                  + thermo(steps // 100, ["f_cem[5]", "f_cem[6]", "f_cem[12]"]) + f"run {steps}\n")
+        script = (
+            pair(cell / 2, cement="content 0.01")
+            + CONTACT
+            + edit(cement(cell, timestep, elastic=CALCITE, axis="radial"), f"cell {cell}", f"cell {cell} {words}")
+            + "fix motion grains nve/sphere\nvelocity second set 0.03 0.02 0.1\n"
+            + thermo(steps // 100, ["f_cem[5]", "f_cem[6]", "f_cem[12]"])
+            + f"run {steps}\n"
+        )
         table = run(script, tmp_path).table()
         assert table["f_cem[5]"].max() > 0.003 * table["f_cem[6]"].max() > 0.0, "no waves"
-        figures.below(f"{words or 'default'}, {'no' if timestep < 1e-8 else 'with'} added mass: imbalance of the energy",
-                      abs(table["f_cem[12]"]).max(), limit)
+        figures.below(f"{words or 'default'}, {'no' if timestep < 1e-8 else 'with'} added mass: imbalance of the energy", abs(table["f_cem[12]"]).max(), limit)
 
 
 def test_asked_for_early_in_a_step(tmp_path):
@@ -67,8 +78,10 @@ def test_asked_for_early_in_a_step(tmp_path):
 
     def table(early):
         script = pair(1e-4) + cement(2e-4, 1e-8, elastic=CALCITE)
-        script += (f'variable z equal 5e3*step*dt*step*dt\nvariable w equal "1e4*step*dt{early}"\nfix hold first move linear 0 0 0\n'
-                   "fix pull second move variable NULL NULL v_z NULL NULL v_w\n")
+        script += (
+            f'variable z equal 5e3*step*dt*step*dt\nvariable w equal "1e4*step*dt{early}"\nfix hold first move linear 0 0 0\n'
+            "fix pull second move variable NULL NULL v_z NULL NULL v_w\n"
+        )
         return run(script + thermo(50, columns) + "run 200\n", tmp_path / str(len(early))).table()
 
     plain, asked = table(""), table("+0*f_bond[14]+0*f_cem[6]")
@@ -79,8 +92,11 @@ def test_asked_for_early_in_a_step(tmp_path):
 
 def test_at_rest(tmp_path):
     """Where rounding of positions is all that there is, the imbalance is 0, not the ratio of two roundings."""
-    script = edit(edit(pair(1e-4, gap=2e-4, boundary="p p p"), "single 0 0 -0.0051 units", "single 0.00593 0.0051 0.0077 units"),
-                  "single 0 0 0.0051 units", "single -0.00597 0.0052 -0.0071 units")
+    script = edit(
+        edit(pair(1e-4, gap=2e-4, boundary="p p p"), "single 0 0 -0.0051 units", "single 0.00593 0.0051 0.0077 units"),
+        "single 0 0 0.0051 units",
+        "single -0.00597 0.0052 -0.0071 units",
+    )
     script += cement(2e-4, 1e-9) + "fix motion grains nve/sphere\n" + thermo(10, ["f_cem[7]", "f_cem[12]"]) + "run 50\n"
     table = run(script, tmp_path).table()
     assert table["f_cem[7]"].max() > 0.0, "no rounding to tell of"

@@ -24,8 +24,7 @@ def test_pair_flat(name, tmp_path, figures):
     assert text.count("timestep     1e-9") == 1
     pull.write_text(text.replace("timestep     1e-9", "timestep     4e-9"))
     script = (folder / f"in.flat_{name}").read_text()
-    result = launch(script, tmp_path, ranks=2, name=f"in.flat_{name}",
-                    arguments=["-var", "spacing", "1e-4", "-var", "cell", "2e-4"])
+    result = launch(script, tmp_path, ranks=2, name=f"in.flat_{name}", arguments=["-var", "spacing", "1e-4", "-var", "cell", "2e-4"])
     assert result.status == 0 and not result.errors(), result.output[-3000:]
     with open(tmp_path / f"bond_{name}.csv") as f:
         rows = list(csv.DictReader(f))

@@ -13,12 +13,16 @@ from scenes import cement, edit, launch, in_cells, pair, restarted, run, shift, 
 from test_pair_table import SCRIPT
 from test_point_file import CELL, DAMAGE, SPACING, read, write
 
-SHAPES = {"flat": ("flat", "inner 1e-3 outer 2e-3"), "meniscus": ("meniscus", "neck 1.6e-3 inner 8e-4"),
-          "coating": ("coating", "thickness 4e-4 cap 30 inner 8e-4"), "wide": ("meniscus", "neck 1e-3")}
+SHAPES = {
+    "flat": ("flat", "inner 1e-3 outer 2e-3"),
+    "meniscus": ("meniscus", "neck 1.6e-3 inner 8e-4"),
+    "coating": ("coating", "thickness 4e-4 cap 30 inner 8e-4"),
+    "wide": ("meniscus", "neck 1e-3"),
+}
 GAP = {"wide": 1e-3}
 MEET = np.sqrt(5.4e-3**2 - 5e-3**2)  # ring in which the shells of the coating meet
 # As far out cells of both shells share faces, though there is a gap thinner than two spacings between them.
-TOUCH = np.sqrt(5.4e-3**2 - (5e-3 - SPACING)**2)
+TOUCH = np.sqrt(5.4e-3**2 - (5e-3 - SPACING) ** 2)
 MODES = [f"f_cem[{i}]" for i in (19, 20, 21, 22)]  # bonds that are separated; by debonding, internal, mixed
 STEP, FEW = 1.5e-3, np.deg2rad(18)
 
@@ -97,8 +101,15 @@ def test_constructed_crack(case, made, tmp_path, figures):
     for ranks in (1, 4):
         directory = tmp_path / str(ranks)
         write(directory / "cement.txt", columns)
-        done = run(scene(shape, "cement.txt") + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + shift(1e-9, 1e-6)
-                   + thermo(1, ["f_cem[2]", "f_bond[22]", "f_bond[23]", "f_bond[24]", *MODES]) + "run 200\n", directory, ranks)
+        done = run(
+            scene(shape, "cement.txt")
+            + cement(CELL, 5e-9, axis="radial", damage=DAMAGE)
+            + shift(1e-9, 1e-6)
+            + thermo(1, ["f_cem[2]", "f_bond[22]", "f_bond[23]", "f_bond[24]", *MODES])
+            + "run 200\n",
+            directory,
+            ranks,
+        )
         lines.append([x for x in done.output.splitlines() if "of grains 1 and 2: " in x][-1])
         t = done.table()
         assert (t["f_cem[2]"] == columns["failed"].sum()).all(), "the pull itself broke points"
@@ -143,8 +154,10 @@ def lines_of_modes(output):
     return [x for x in output.splitlines() if "of grains 1 and 2: " in x]
 
 
-AHEAD = re.compile(r"; (\S+) % of its weakest section is left \((\d+) of (\d+) points\), and a crack through that would be (\w+); of the "
-                   r"separating surface (\S+) % at the first grain, (\S+) % at the second, (\S+) % inside$")
+AHEAD = re.compile(
+    r"; (\S+) % of its weakest section is left \((\d+) of (\d+) points\), and a crack through that would be (\w+); of the "
+    r"separating surface (\S+) % at the first grain, (\S+) % at the second, (\S+) % inside$"
+)
 SECTOR = np.deg2rad(12)
 
 
@@ -164,7 +177,10 @@ HOLD = {
     "sector left in the middle": (lambda c: c.plane & ~rest(c), lambda c: c.plane & (c.z > 0) & rest(c), "internal", (0, 0, 100)),
     "more left in the middle than at the second grain": (
         lambda c: np.where(c.angle > 0, c.at[1] & ~rest(c), c.at[1]) | c.plane & (c.angle > 2),
-        lambda c: c.at[1] & rest(c) & (c.angle > 0), "debonding", (0, 100, 0)),
+        lambda c: c.at[1] & rest(c) & (c.angle > 0),
+        "debonding",
+        (0, 100, 0),
+    ),
 }
 
 
@@ -180,8 +196,11 @@ def test_section_left_of_an_intact_bond(case, made, tmp_path, figures):
     for ranks in (1, 4):
         directory = tmp_path / str(ranks)
         write(directory / "cement.txt", columns)
-        done = run(scene("flat", "cement.txt") + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + shift(1e-9, 1e-6)
-                   + thermo(1, ["f_cem[2]"]) + "run 20\n", directory, ranks)
+        done = run(
+            scene("flat", "cement.txt") + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + shift(1e-9, 1e-6) + thermo(1, ["f_cem[2]"]) + "run 20\n",
+            directory,
+            ranks,
+        )
         lines.append(lines_of_modes(done.output)[-1])
         assert done.output.count("'cracks split' of fix mpm separates them") == 1, "the cure is told once"
     assert lines[0] == lines[1] and ": intact, " in lines[0]
@@ -207,17 +226,17 @@ def test_sheared_bond_with_almost_no_force(tmp_path, figures):
         lines.append(lines_of_modes(done.output))
     assert lines[0] == lines[1]
     intact = [line for line in lines[0] if ": intact, " in line]
-    assert len(intact) > 10 and intact == lines[0][:len(intact)]
+    assert len(intact) > 10 and intact == lines[0][: len(intact)]
     found = [AHEAD.search(line) for line in intact]
     assert all(found)
-    for line in lines[0][len(intact):]:
+    for line in lines[0][len(intact) :]:
         assert f": {found[-1][4]}, " in line and line.split("surface ")[1] == intact[-1].split("surface ")[1]
     left = [float(f[1]) for f in found]
     assert left == sorted(left, reverse=True), "failed points do not heal, so the section never grows"
     with open(tmp_path / "1" / "load_run.csv") as f:
         load = np.array([float(r["load"]) for r in csv.DictReader(f)])
-    load = load[:len(load) * len(intact) // len(lines[0])]
-    force = load[-len(load) // 20:].mean() / load.max()
+    load = load[: len(load) * len(intact) // len(lines[0])]
+    force = load[-len(load) // 20 :].mean() / load.max()
     figures.note("sheared bond: per cent of the section left at the ends of the runs, first, least", [left[0], left[-1]])
     figures.below("sheared bond: mean force of the last twentieth of the time before, over the peak", force, 0.1)
     # Not of the last points: two more or less are half of them, and a run more or less half of their force.

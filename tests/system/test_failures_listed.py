@@ -21,8 +21,7 @@ def broken(tmp_path_factory):
     text += dump(STEPS, ["x", "y", "z"] + [f"c_{n}" for n in NAMES])
     T = STEPS * DT
     for axis, c in zip("xyz", 8e-6 * OPENING):
-        text += (f'variable d{axis} equal "{c:.17g}*(step*dt/{T})^2"\n'
-                 f'variable v{axis} equal "{2 * c / T:.17g}*step*dt/{T}"\n')
+        text += f'variable d{axis} equal "{c:.17g}*(step*dt/{T})^2"\n' f'variable v{axis} equal "{2 * c / T:.17g}*step*dt/{T}"\n'
     text += "fix hold first move linear 0 0 0\nfix pull second move variable v_dx v_dy v_dz v_vx v_vy v_vz\n"
     text += thermo(STEPS, ["f_cem[2]", "f_cem[3]", "f_cem[4]"] + [f"f_bond[{i}]" for i in (16, 17, 18, 19, 20)]) + f"run {STEPS}\n"
     done = run(text, tmp_path_factory.mktemp("broken"))
@@ -96,8 +95,10 @@ def test_a_separated_bond_is_noticed_within_five_steps(tmp_path):
     for check in (1, 100000):
         fixes = cement(CELL, 7e-8, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 interface 0.2 check {check}")
         text = pair(CELL / 2, cement=RING) + fixes
-        text += ('variable d equal "5e-6*(step/200)^2"\nvariable v equal "5e-6*2*step/200/200/dt"\n'
-                 "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_d NULL NULL v_v\n")
+        text += (
+            'variable d equal "5e-6*(step/200)^2"\nvariable v equal "5e-6*2*step/200/200/dt"\n'
+            "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_d NULL NULL v_v\n"
+        )
         t = run(text + thermo(1, ["f_bond[16]", "f_bond[22]"]) + "run 200\n", tmp_path / str(check)).table()
         assert t["f_bond[22]"][-1] == 1
         steps[check] = int(t["step"][np.argmax(t["f_bond[22]"] == 1)])

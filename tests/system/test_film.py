@@ -4,8 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from scenes import (CALCITE, CONTACT, MOMENTA, MOMENTUM_COLUMNS, SPINNING, cement, edit, launch, pair, pull, restarted, run, shift,
-                    thermo)
+from scenes import CALCITE, CONTACT, MOMENTA, MOMENTUM_COLUMNS, SPINNING, cement, edit, launch, pair, pull, restarted, run, thermo
 from test_stiffness_command import rows_of
 
 NU, E = 0.25, 60e9
@@ -65,9 +64,28 @@ def test_stiffness_at_other_spacings(shape, words, tmp_path, figures):
     figures.below(f"{shape}: stiffness at three quarters of the spacing", abs(found[1] / found[0] - 1).max(), 0.03)
 
 
-def pulled(directory, spacing, words=ALL_FILM, shape="flat", damage=BREAKS, couple="kn auto kt auto", steps=4000, speed=0.1, ranks=1, more="", timestep=1e-8, way=(0, 0, 1), **options):
+def pulled(
+    directory,
+    spacing,
+    words=ALL_FILM,
+    shape="flat",
+    damage=BREAKS,
+    couple="kn auto kt auto",
+    steps=4000,
+    speed=0.1,
+    ranks=1,
+    more="",
+    timestep=1e-8,
+    way=(0, 0, 1),
+    **options,
+):
     script = bond(spacing, words, shape, "radial", damage, couple, timestep, CALCITE, **options)
-    script += pull(speed, 2e-6, way) + thermo(10, ["f_bond[7]", "f_bond[9]", "f_bond[14]", "f_cem[12]", "f_cem[2]", "f_cem[19]", "f_cem[8]"]) + more + f"run {steps}\n"
+    script += (
+        pull(speed, 2e-6, way)
+        + thermo(10, ["f_bond[7]", "f_bond[9]", "f_bond[14]", "f_cem[12]", "f_cem[2]", "f_cem[19]", "f_cem[8]"])
+        + more
+        + f"run {steps}\n"
+    )
     return run(script, directory, ranks).table()
 
 
@@ -98,7 +116,7 @@ def test_takes_the_energy_of_a_crack(words, energy, tmp_path, figures):
 def test_cohesive_faces(way, tmp_path, figures):
     """Faces of columns are askew to them, and under shear some are closed while they soften."""
     t = pulled(tmp_path, 2e-4, damage="", couple=COHESIVE, steps=16000, speed=0.03, way=way)
-    force = np.sqrt(t["f_bond[7]"]**2 + t["f_bond[9]"]**2)
+    force = np.sqrt(t["f_bond[7]"] ** 2 + t["f_bond[9]"] ** 2)
     assert force.max() > 1 and force[-1] < 1e-9 and t["f_cem[19]"][-1] == 1
     figures.below(f"imbalance with cohesive faces, pulled along {way}", abs(t["f_cem[12]"]).max(), 5e-4)
     output = (tmp_path / "in.test.out").read_text()
@@ -144,7 +162,7 @@ def test_restart_of_a_free_pair_on_ranks(tmp_path):
     whole = run(script + thermo(10, columns) + "run 110\nwrite_restart r.bin\nrun 200\n", tmp_path, 2).table()
     part = run(restarted("r.bin") + fixes + thermo(10, columns) + "run 200\n", tmp_path, 2, name="in.again").table()
     for c in columns[:3]:
-        assert (whole[c][-len(part["step"]):] == part[c]).all(), c
+        assert (whole[c][-len(part["step"]) :] == part[c]).all(), c
 
 
 @pytest.mark.parametrize("words", [ALL_FILM, "content 0.02 film joined"])
@@ -160,7 +178,7 @@ def test_condensed(words, tmp_path, figures):
     """A condensed bond has its film, too: its loads are those of the resolved one, and it is activated and breaks."""
     both = [pulled(tmp_path / w, 2e-4, words, damage=f"{BREAKS} condense {w}", steps=2500, speed=0.1) for w in ("no", "yes")]
     resolved, condensed = (t["f_bond[14]"] for t in both)
-    figures.below("condensed against resolved until the peak", abs(condensed - resolved)[:resolved.argmax()].max() / resolved.max(), 5e-3)
+    figures.below("condensed against resolved until the peak", abs(condensed - resolved)[: resolved.argmax()].max() / resolved.max(), 5e-3)
     figures.below("peak of a condensed bond", abs(condensed.max() / resolved.max() - 1), 1e-8)
     assert both[1]["f_cem[2]"][-1] == pytest.approx(both[0]["f_cem[2]"][-1], rel=0.05)
 
@@ -174,7 +192,7 @@ def test_the_step_is_stable_for_the_film(tmp_path):
     """Free grains on a stiff film: what `timestep auto` gives is stable, and a step beyond it is refused."""
     text = edit(bond(2e-4, timestep=1e-8), " axis bond ", " axis bond timestep auto 0.9 ") + "fix motion grains nve/sphere\n" + CONTACT
     text += "velocity grains set 1e-4 0 0\nvelocity second set -1e-4 0 1e-4\n"
-    t = run(text + thermo(10, ["f_cem[12]"]) + "variable dt equal dt\nrun 2000\nprint \"STEP ${dt}\"\n", tmp_path / "auto")
+    t = run(text + thermo(10, ["f_cem[12]"]) + 'variable dt equal dt\nrun 2000\nprint "STEP ${dt}"\n', tmp_path / "auto")
     step = t.value("STEP")
     assert abs(t.table()["f_cem[12]"]).max() < 0.05
     beyond = edit(text, "timestep auto 0.9 ", "").replace("timestep     1e-08", f"timestep     {1.3 * step / 0.9:.15g}")
@@ -182,14 +200,17 @@ def test_the_step_is_stable_for_the_film(tmp_path):
     assert failed.status != 0 and "stable" in failed.output
 
 
-@pytest.mark.parametrize("script, words", [
-    (bond(2e-4, couple="kn auto kt auto friction 0.3"), ["fix mpm/couple", "'friction 0.3'", "film grid"]),
-    (bond(2e-4, damage=BREAKS + " unilateral yes"), ["fix mpm", "'unilateral yes'", "film grid"]),
-    (pair(2e-4, cement="outer 2e-3 inner 0 film joined"), ["create_cement", "inner radius 0", "without bound", "film grid"]),
-    (pair(4e-4, cement="thickness 4e-4 film joined", shape="coating"), ["create_cement", "spacing"]),
-    (pair(2e-4, cement="outer 2e-3 film some"), ["create_cement", "film some", "joined", "grid"]),
-    (pair(2e-4, cement="outer 2e-3 inner share 2 film joined"), ["create_cement", "inner share 2", "0.9"]),
-])
+@pytest.mark.parametrize(
+    "script, words",
+    [
+        (bond(2e-4, couple="kn auto kt auto friction 0.3"), ["fix mpm/couple", "'friction 0.3'", "film grid"]),
+        (bond(2e-4, damage=BREAKS + " unilateral yes"), ["fix mpm", "'unilateral yes'", "film grid"]),
+        (pair(2e-4, cement="outer 2e-3 inner 0 film joined"), ["create_cement", "inner radius 0", "without bound", "film grid"]),
+        (pair(4e-4, cement="thickness 4e-4 film joined", shape="coating"), ["create_cement", "spacing"]),
+        (pair(2e-4, cement="outer 2e-3 film some"), ["create_cement", "film some", "joined", "grid"]),
+        (pair(2e-4, cement="outer 2e-3 inner share 2 film joined"), ["create_cement", "inner share 2", "0.9"]),
+    ],
+)
 def test_what_is_refused(script, words, tmp_path):
     failed = launch(script + "run 1\n", tmp_path)
     assert failed.status != 0

@@ -43,12 +43,15 @@ def test_pores(driven, figures):
     left = {tuple(x) for x in place(porous)}
     gone = np.array([tuple(x) not in left for x in place(solid)])
     assert len(left) + gone.sum() == len(gone)
-    figures.below("pores: share of the volume less that asked for, over that of a sphere",
-                  abs(solid["volume"][gone].sum() / solid["volume"].sum() - 0.3) * solid["volume"].sum() / (4 / 3 * np.pi * SIZE**3), 1.0)
+    figures.below(
+        "pores: share of the volume less that asked for, over that of a sphere",
+        abs(solid["volume"][gone].sum() / solid["volume"].sum() - 0.3) * solid["volume"].sum() / (4 / 3 * np.pi * SIZE**3),
+        1.0,
+    )
     # a point that is gone has one that is gone too as the middle of a pore without any that is left
     x, kept = place(solid)[gone], place(porous)
-    empty = [i for i in range(len(x)) if ((kept - x[i])**2).sum(axis=1).min() >= SIZE**2]
-    assert empty and all(((x[empty] - p)**2).sum(axis=1).min() < SIZE**2 for p in x)
+    empty = [i for i in range(len(x)) if ((kept - x[i]) ** 2).sum(axis=1).min() >= SIZE**2]
+    assert empty and all(((x[empty] - p) ** 2).sum(axis=1).min() < SIZE**2 for p in x)
 
 
 def test_softness(driven, figures):
@@ -99,11 +102,18 @@ def test_resumes_and_draws_again(driven, tmp_path):
     assert done.returncode == 0 and (tmp_path / "flaws.png").stat().st_size > 5000
 
 
-@pytest.mark.parametrize("words, expected", [
-    (["--pores", "1.2"], "1.2: must be numbers between 0 and 1"), (["--contact", "x"], "x: must be numbers between 0 and 1"),
-    (["--size", "0"], "0: must be a positive number"), (["--exe", "/nowhere/x"], "/nowhere/x: no such executable"),
-    (["--content", "0.5", "--coarse", "5e-4"], "does not fit"), (["--softness", "0.95"], "softness 0.95: must be below 0.9"),
-    (["--redraw", str(ROOT / "doc" / "data" / "study_map.csv")], "not a flaws.csv of flawed_pairs.py")])
+@pytest.mark.parametrize(
+    "words, expected",
+    [
+        (["--pores", "1.2"], "1.2: must be numbers between 0 and 1"),
+        (["--contact", "x"], "x: must be numbers between 0 and 1"),
+        (["--size", "0"], "0: must be a positive number"),
+        (["--exe", "/nowhere/x"], "/nowhere/x: no such executable"),
+        (["--content", "0.5", "--coarse", "5e-4"], "does not fit"),
+        (["--softness", "0.95"], "softness 0.95: must be below 0.9"),
+        (["--redraw", str(ROOT / "doc" / "data" / "study_map.csv")], "not a flaws.csv of flawed_pairs.py"),
+    ],
+)
 def test_bad_arguments(words, expected, tmp_path):
     done = drive(tmp_path / "out", *words)
     assert done.returncode != 0 and expected in done.stderr, done.stderr
@@ -120,6 +130,7 @@ def test_a_table_that_cannot_be_drawn(text, tmp_path):
 def test_a_file_that_is_none_of_points(tmp_path):
     sys.path.insert(0, str(ROOT / "tools"))
     from mpdem import flaws, run
+
     (tmp_path / "a").write_text("x y z volume\n0 0 0 1\n")
     with pytest.raises(run.Trouble, match="no column dxx"):
         flaws.make("pores", 0.1, 1.0, 1, tmp_path / "a", tmp_path / "b")

@@ -34,8 +34,10 @@ def test_a_grain_without_links_is_free(tmp_path, figures):
     dt, check, steps, way = 7e-8, 20, 300, 6e-6
     fixes = cement(CELL, dt, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 interface 0.2 check {check}")
     script = pair(CELL / 2, cement=RING) + fixes
-    script += (f'variable d equal "{way}*(step/{steps})^2"\nvariable v equal "{2 * way / (steps * dt)}*step/{steps}"\n'
-               "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_d NULL NULL v_v\n")
+    script += (
+        f'variable d equal "{way}*(step/{steps})^2"\nvariable v equal "{2 * way / (steps * dt)}*step/{steps}"\n'
+        "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_d NULL NULL v_v\n"
+    )
     forces = [f"f_bond[{i}]" for i in range(1, 13)]
     done = run(script + thermo(1, forces + ["f_bond[16]"]) + f"run {steps}\n", tmp_path)
     t = done.table()
@@ -43,7 +45,7 @@ def test_a_grain_without_links_is_free(tmp_path, figures):
     assert 0 < last < steps - 3 * check
     held = np.abs([t[f] for f in forces])
     assert held[:, last].max() > 0.1, "no added mass is left to be dropped"
-    assert not held[:, last + check + 1:].any()
+    assert not held[:, last + check + 1 :].any()
 
 
 def test_spin_up(tmp_path, figures):
@@ -61,8 +63,7 @@ def test_spin_up(tmp_path, figures):
     inertia = momentum[-1] / rate
     # The change of omega to a step is at the middle of that step; the force that answers it is told in the next.
     expected = inertia * rate / (steps * dt) * (1 - np.cos(2 * np.pi * (t["step"] - 1.5) / steps))
-    figures.below("spin-up: torque against inertia times angular acceleration, over the largest",
-                  abs(torque - expected).max() / expected.max(), 0.004)
+    figures.below("spin-up: torque against inertia times angular acceleration, over the largest", abs(torque - expected).max() / expected.max(), 0.004)
     figures.below("spin-up: elastic energy over the kinetic energy at the end", t["f_cem[6]"].max() / (0.5 * inertia * rate**2), 2e-3)
 
 
@@ -72,12 +73,17 @@ def test_torque_of_a_later_fix(tmp_path, figures):
     dt, steps = 7e-8, 400
     wall = "fix wall all wall/gran model hertz/stiffness tangential history primitive type 2 xplane 0.0049998 shear z 20\n"
     start = pair(CELL / 2, cement=RING, gap=2e-4) + "set group grains density 500\n" + CONTACT
-    rest = ("fix hold first move linear 0 0 0\nfix motion second nve/sphere\ncompute w second property/atom omegay\n"
-            "compute spin second reduce sum c_w\n" + thermo(20, ["c_spin", "f_cem[11]", "f_cem[12]"]) + f"run {steps}\n")
+    rest = (
+        "fix hold first move linear 0 0 0\nfix motion second nve/sphere\ncompute w second property/atom omegay\n"
+        "compute spin second reduce sum c_w\n" + thermo(20, ["c_spin", "f_cem[11]", "f_cem[12]"]) + f"run {steps}\n"
+    )
     former = run(start + wall + cement(CELL, dt) + rest, tmp_path / "former").table()
     later = run(start + cement(CELL, dt) + wall + rest, tmp_path / "later").table()
     assert abs(former["c_spin"]).max() > 0.1
-    figures.below("wall defined later: spin of the bead against the wall defined before, over the largest",
-                  abs(later["c_spin"] - former["c_spin"]).max() / abs(former["c_spin"]).max(), 0.015)
+    figures.below(
+        "wall defined later: spin of the bead against the wall defined before, over the largest",
+        abs(later["c_spin"] - former["c_spin"]).max() / abs(former["c_spin"]).max(),
+        0.015,
+    )
     work = later["f_cem[11]"]
     figures.below("wall defined later: imbalance of the energy, over the largest work", abs(later["f_cem[12]"] * work).max() / work.max(), 1e-3)

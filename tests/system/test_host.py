@@ -22,13 +22,16 @@ communicate  single vel yes
 PRECISE = "thermo_style custom step atoms ke c_turning vol\nthermo_modify lost ignore norm no format float %.17g\n"
 
 SCENES = {
-    "spheres rain into a box": START + """\
+    "spheres rain into a box": START
+    + """\
 boundary     f f f
 region       box block -0.05 0.05 -0.05 0.05 0 0.15 units box
 create_box   1 box
 neighbor     0.002 bin
 neigh_modify delay 0
-""" + MATERIAL + """\
+"""
+    + MATERIAL
+    + """\
 pair_style   gran model hertz tangential history
 pair_coeff   * *
 timestep     1e-5
@@ -45,8 +48,11 @@ fix insert   all insert/pack seed 32452843 distributiontemplate mixture vel cons
              insert_every once overlapcheck yes all_in yes particles_in_region 200 region fill
 fix motion   all nve/sphere
 compute      turning all erotate/sphere
-""" + PRECISE + "thermo 100\nrun 3000\n",
-    "two spheres collide": START + """\
+"""
+    + PRECISE
+    + "thermo 100\nrun 3000\n",
+    "two spheres collide": START
+    + """\
 boundary     f f f
 region       box block -0.05 0.05 -0.05 0.05 -0.05 0.05 units box
 create_box   1 box
@@ -55,7 +61,9 @@ create_atoms 1 single 0.011 0 0 units box
 set          group all diameter 0.02 density 2500
 neighbor     0.002 bin
 neigh_modify delay 0
-""" + MATERIAL + """\
+"""
+    + MATERIAL
+    + """\
 pair_style   gran model hertz tangential history rolling_friction off
 pair_coeff   * *
 timestep     1e-6
@@ -64,8 +72,11 @@ group        left id 1
 velocity     left set 1 0 0
 fix motion   all nve/sphere
 compute      turning all erotate/sphere
-""" + PRECISE + "thermo 50\nrun 5000\n",
-    "cohesive spheres": START + """\
+"""
+    + PRECISE
+    + "thermo 50\nrun 5000\n",
+    "cohesive spheres": START
+    + """\
 boundary     p p p
 region       box block 0 0.0594 0 0.0594 0 0.0594 units box
 create_box   1 box
@@ -74,7 +85,9 @@ create_atoms 1 region box
 set          group all diameter 0.01 density 2500
 neighbor     0.002 bin
 neigh_modify delay 0
-""" + MATERIAL + """\
+"""
+    + MATERIAL
+    + """\
 fix m5 all property/global cohesionEnergyDensity peratomtypepair 1 50000
 pair_style   gran model hertz tangential history cohesion sjkr
 pair_coeff   * *
@@ -85,14 +98,17 @@ variable     vz atom "0.1*sin(1e3*x+3)"
 velocity     all set v_vx v_vy v_vz
 fix motion   all nve/sphere
 compute      turning all erotate/sphere
-""" + PRECISE + "thermo 50\nrun 2000\n",
+"""
+    + PRECISE
+    + "thermo 50\nrun 2000\n",
 }
 
 
 def thermo_lines(output):
     """Rows of numbers, and the counts that end a run; nothing that depends on the clock."""
-    return [line for line in output.splitlines()
-            if re.fullmatch(r"\s*\d+( +[-+.\dena]+)+\s*", line) or re.match(r"Total #|Neighbor list builds|Dangerous", line)]
+    return [
+        line for line in output.splitlines() if re.fullmatch(r"\s*\d+( +[-+.\dena]+)+\s*", line) or re.match(r"Total #|Neighbor list builds|Dangerous", line)
+    ]
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -119,13 +135,18 @@ def test_help_lists_the_styles(tmp_path):
 
 def test_clear_and_a_second_scene(tmp_path):
     """The second scene of a script is the same as in a script of its own."""
-    def scene(gap, name):
-        return (pair(1e-4, gap=gap) + cement(2e-4, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9")
-                + pull(0.3, 5e-7) + point_quantities(["damage", "stress_zz"])
-                + dump(400, ["x", "y", "z", "c_damage", "c_stress_zz"], f"{name}.*.txt") + "run 400\n")
 
-    both = run(scene(1e-4, "one") + "clear\nvariable t delete\nvariable along delete\nvariable speed delete\n"
-               + scene(0.0, "two"), tmp_path / "both", 2)
+    def scene(gap, name):
+        return (
+            pair(1e-4, gap=gap)
+            + cement(2e-4, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9")
+            + pull(0.3, 5e-7)
+            + point_quantities(["damage", "stress_zz"])
+            + dump(400, ["x", "y", "z", "c_damage", "c_stress_zz"], f"{name}.*.txt")
+            + "run 400\n"
+        )
+
+    both = run(scene(1e-4, "one") + "clear\nvariable t delete\nvariable along delete\nvariable speed delete\n" + scene(0.0, "two"), tmp_path / "both", 2)
     alone = run(scene(0.0, "two"), tmp_path / "alone", 2)
     p, q = both.points(400, "two"), alone.points(400, "two")
     assert p["c_damage"].max() > 0.1
@@ -135,11 +156,15 @@ def test_clear_and_a_second_scene(tmp_path):
 
 def test_columns_of_a_dump(tmp_path):
     """They carry the names of the computes; atoms that are no points show zero."""
-    names = ["damage", "damage_xx", "drive", "stress_zz", "stress_max", "pressure", "strain_yz", "attached", "grain",
-             "failed", "volume", "axis_z", "bond"]
-    script = (pair(1e-4) + cement(2e-4, 2e-9, damage="damage tensor B0 9.6e3 cutoff 0.9") + pull(0.25, 5e-7)
-              + point_quantities(names, "all") + dump(500, [f"c_{n}" for n in names], group="all")
-              + "run 500\n")
+    names = ["damage", "damage_xx", "drive", "stress_zz", "stress_max", "pressure", "strain_yz", "attached", "grain", "failed", "volume", "axis_z", "bond"]
+    script = (
+        pair(1e-4)
+        + cement(2e-4, 2e-9, damage="damage tensor B0 9.6e3 cutoff 0.9")
+        + pull(0.25, 5e-7)
+        + point_quantities(names, "all")
+        + dump(500, [f"c_{n}" for n in names], group="all")
+        + "run 500\n"
+    )
     result = run(script, tmp_path, 2)
     with open(tmp_path / "points.500.txt") as f:
         head = [next(f) for _ in range(9)]
@@ -161,9 +186,13 @@ def test_loads_of_points_are_zero(tmp_path, monkeypatch):
     """LIGGGHTS clears forces and torques of the grains alone; points come to lie in new memory, where other things were."""
     monkeypatch.setenv("MALLOC_PERTURB_", "90")  # so that new memory is not zero by chance
     names = ["fx", "fy", "fz", "tqx", "tqy", "tqz"]
-    script = (edit(pair(2e-4, processors="2 1 1"), "create_cement", "velocity grains set 300 0 0\ncreate_cement") + cement(4e-4, 5e-8) + "fix motion grains nve/sphere\n"
-              + "".join(f"compute {n} calcite property/atom {n}\n" for n in names)
-              + f"compute least calcite reduce min {' '.join('c_' + n for n in names)}\ncompute most calcite reduce max {' '.join('c_' + n for n in names)}\n")
+    script = (
+        edit(pair(2e-4, processors="2 1 1"), "create_cement", "velocity grains set 300 0 0\ncreate_cement")
+        + cement(4e-4, 5e-8)
+        + "fix motion grains nve/sphere\n"
+        + "".join(f"compute {n} calcite property/atom {n}\n" for n in names)
+        + f"compute least calcite reduce min {' '.join('c_' + n for n in names)}\ncompute most calcite reduce max {' '.join('c_' + n for n in names)}\n"
+    )
     columns = [f"c_{which}[{k}]" for which in ("least", "most") for k in range(1, 7)]
     table = run(script + thermo(5, columns) + "run 30\n", tmp_path, 2).table()
     for name in columns:
@@ -171,8 +200,13 @@ def test_loads_of_points_are_zero(tmp_path, monkeypatch):
 
 
 def test_dump_vtk(tmp_path):
-    script = (pair(1e-4) + cement(2e-4, 2e-9) + "fix hold grains freeze\n" + point_quantities(["damage", "stress_zz"])
-              + "dump points calcite custom/vtk 10 points.*.vtk id type x y z vx vy vz c_damage c_stress_zz\nrun 10\n")
+    script = (
+        pair(1e-4)
+        + cement(2e-4, 2e-9)
+        + "fix hold grains freeze\n"
+        + point_quantities(["damage", "stress_zz"])
+        + "dump points calcite custom/vtk 10 points.*.vtk id type x y z vx vy vz c_damage c_stress_zz\nrun 10\n"
+    )
     result = launch(script, tmp_path, 1)
     if "Invalid dump style" in result.output:
         pytest.skip("this LIGGGHTS has no dump custom/vtk")

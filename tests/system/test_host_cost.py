@@ -24,9 +24,13 @@ FREE = WALLS + "velocity second set 0 0 0.1\nfix motion grains nve/sphere\n"
 
 
 def scene(motion):
-    return (pair(2.5e-5, gap=2e-5, cement="inner 1e-3 outer 2.1e-3") + CONTACT
-            + cement(5e-5, 2e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9") + motion
-            + f"modify_timing on\nthermo {STEPS}\nrun {STEPS}\n")
+    return (
+        pair(2.5e-5, gap=2e-5, cement="inner 1e-3 outer 2.1e-3")
+        + CONTACT
+        + cement(5e-5, 2e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9")
+        + motion
+        + f"modify_timing on\nthermo {STEPS}\nrun {STEPS}\n"
+    )
 
 
 def seconds(output, name):

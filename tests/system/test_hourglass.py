@@ -30,7 +30,9 @@ def test_pulled_apart(tmp_path, figures):
     R, length = 5e-3, GAP + 2 * (5e-3 - np.sqrt(25e-6 - OUTER**2))
     cap = R - np.sqrt(R**2 - OUTER**2)
     V = np.pi * length * OUTER**2 * (2 * WAIST**2 + 1) / 3 - 2 * np.pi * cap**2 * (R - cap / 3)
-    said = re.search(r"^Cement between grains 1 and 2: hourglass, inner radius 0, neck radius (\S+), outer radius (\S+), gap .*\n  volume (\S+),", one.output, re.M)
+    said = re.search(
+        r"^Cement between grains 1 and 2: hourglass, inner radius 0, neck radius (\S+), outer radius (\S+), gap .*\n  volume (\S+),", one.output, re.M
+    )
     assert float(said[1]) == WAIST * OUTER and float(said[2]) == OUTER and abs(float(said[3]) / V - 1) < 1e-5
     a, b, flat = (r.table() for r in (one, two, straight))
     for table in (a, b):
@@ -50,7 +52,7 @@ def test_pulled_apart(tmp_path, figures):
 
 def test_neck_or_content(tmp_path):
     """`neck` and `content` give the same bond as `outer`."""
-    volumes = []
+    volumes, output = [], ""
     made = pair(CELL / 2, gap=GAP, shape="hourglass", cement=f"outer {OUTER} waist {WAIST}")
     for words in (f"outer {OUTER} waist {WAIST}", f"neck {OUTER * WAIST:.17g} waist {WAIST}", "content"):
         if words == "content":

@@ -27,5 +27,10 @@ def test_a_crack_that_runs(tmp_path, figures, load, angle, cells, layers):
 def test_between_the_modes(tmp_path, figures, cells, angle):
     """All links along one direction: the energy that the law states for it."""
     a = math.radians(angle)
-    check(pulled_off(tmp_path, cells, a, 4.0, 8.0, held="all"), envelope(a, 4.0, 8.0), 0.05, figures,
-          f"block off a flat grain, pulled at {angle} degrees, {cells} cells high")
+    check(
+        pulled_off(tmp_path, cells, a, 4.0, 8.0, held="all"),
+        envelope(a, 4.0, 8.0),
+        0.05,
+        figures,
+        f"block off a flat grain, pulled at {angle} degrees, {cells} cells high",
+    )

@@ -29,8 +29,11 @@ STARTS = "the cement of grains 1 and 2 starts at a speed of "
 
 
 def bond(timestep, words="", **options):
-    return (pair(CELL / 2, cement="content 0.01", **options) + CONTACT
-            + edit(cement(CELL, timestep, elastic=CALCITE, axis="radial"), f"cell {CELL}", f"cell {CELL} {words}"))
+    return (
+        pair(CELL / 2, cement="content 0.01", **options)
+        + CONTACT
+        + edit(cement(CELL, timestep, elastic=CALCITE, axis="radial"), f"cell {CELL}", f"cell {CELL} {words}")
+    )
 
 
 def energy(table):
@@ -48,8 +51,9 @@ def test_start(tmp_path, figures, motion, words):
         result = run(script, tmp_path / str(timestep))
         tables[timestep] = result.table()
         assert result.output.count(WARNING) == ("gravity" not in motion), "one warning of a jump, and none without"
-    figures.below(f"{motion}, {words or 'total'}: imbalance of the energy at half of the stable step",
-                  max(abs(t["f_cem[12]"]).max() for t in tables.values()), 1e-4)
+    figures.below(
+        f"{motion}, {words or 'total'}: imbalance of the energy at half of the stable step", max(abs(t["f_cem[12]"]).max() for t in tables.values()), 1e-4
+    )
     if motion in ("wiggle", "linear"):
         late, small = energy(tables[HALF])[::2][10:], energy(tables[SMALL])[10:]
         figures.below(f"{motion}, {words or 'total'}: mean energy against that of a small step", abs(late.mean() / small.mean() - 1), 0.04)
@@ -64,8 +68,7 @@ def test_start_with_damping(tmp_path, figures, motion, words):
     result = run(bond(HALF, "timestep auto 0.5 " + words) + MOTIONS[motion] + thermo(1, ENERGIES + ["f_cem[10]"]) + "run 40\n", tmp_path)
     table = result.table()
     damped = table["f_cem[10]"]
-    figures.below(f"{motion}, {words}: imbalance of the energy with dampers", abs(table["f_cem[12]"]).max(),
-                  0.005 if motion == "wiggle" else 1e-5)
+    figures.below(f"{motion}, {words}: imbalance of the energy with dampers", abs(table["f_cem[12]"]).max(), 0.005 if motion == "wiggle" else 1e-5)
     assert damped[0] == 0 and damped[10] > 1e-3 * energy(table)[10], "dampers take part"
 
 
@@ -74,12 +77,19 @@ def test_start_with_damping(tmp_path, figures, motion, words):
 def test_change(tmp_path, figures, change, words):
     """Another motion from one run to the next, or a command that changes a velocity: the same on two ranks."""
     first, second = CHANGES[change]
-    tables = [run(bond(1.2e-8, words, processors="1 1 *") + first + thermo(1, ENERGIES + ["f_bond[14]"]) + f"run 30\n{second}run 30\n",
-                  tmp_path / str(ranks), ranks).table() for ranks in (1, 2)]
+    tables = [
+        run(
+            bond(1.2e-8, words, processors="1 1 *") + first + thermo(1, ENERGIES + ["f_bond[14]"]) + f"run 30\n{second}run 30\n", tmp_path / str(ranks), ranks
+        ).table()
+        for ranks in (1, 2)
+    ]
     one, two = (energy(t) for t in tables)
     assert one[-1] > 1e-10
-    figures.below(f"{change}, {words or 'total'}: imbalance of the energy", max(abs(t["f_cem[12]"]).max() for t in tables),
-                  0.01 if change in ("free", "catch") else 1e-5 if "updated" in words else 1e-6)
+    figures.below(
+        f"{change}, {words or 'total'}: imbalance of the energy",
+        max(abs(t["f_cem[12]"]).max() for t in tables),
+        0.01 if change in ("free", "catch") else 1e-5 if "updated" in words else 1e-6,
+    )
     figures.below(f"{change}, {words or 'total'}: energy, 2 ranks against 1", abs(two - one).max() / one.max(), 2e-10)
 
 
@@ -106,15 +116,25 @@ def test_change_of_what_is_heavy(tmp_path, figures, change, words):
 def test_kick_of_a_loaded_bond(tmp_path, figures, words, timestep):
     """The bond pulls at the grain that gets another velocity, whether or not its links add mass."""
     steps = round(1.5e-6 / timestep)
-    t = run(bond(timestep, words) + "fix free grains nve/sphere\nvelocity second set 0 0 0.05\n" + thermo(5, ["f_bond[14]", "f_cem[12]"])
-            + f"run {steps}\nvelocity second set 0.2 0 0.5\nset group first omegaz 5\nrun {steps}\n", tmp_path).table()
+    t = run(
+        bond(timestep, words)
+        + "fix free grains nve/sphere\nvelocity second set 0 0 0.05\n"
+        + thermo(5, ["f_bond[14]", "f_cem[12]"])
+        + f"run {steps}\nvelocity second set 0.2 0 0.5\nset group first omegaz 5\nrun {steps}\n",
+        tmp_path,
+    ).table()
     figures.below(f"kick of a loaded bond, {words} step {timestep}: imbalance of the energy", abs(t["f_cem[12]"]).max(), 5e-4 if "condense" in words else 5e-6)
 
 
 def test_momentum(tmp_path, figures):
     """A free pair whose velocities a command changes has the momentum that this gives it, from that step on."""
-    script = (bond(1.2e-8, half_box=(15e-3, 15e-3, 15e-3)) + "fix free grains nve/sphere\nvelocity second set 0.02 0 0.01\n" + MOMENTA
-              + thermo(1, MOMENTUM_COLUMNS) + "run 10\nvelocity second set 0.02 0.01 -0.03\nset group first omegaz 5\nrun 10\n")
+    script = (
+        bond(1.2e-8, half_box=(15e-3, 15e-3, 15e-3))
+        + "fix free grains nve/sphere\nvelocity second set 0.02 0 0.01\n"
+        + MOMENTA
+        + thermo(1, MOMENTUM_COLUMNS)
+        + "run 10\nvelocity second set 0.02 0.01 -0.03\nset group first omegaz 5\nrun 10\n"
+    )
     table = run(script, tmp_path).table()
     P = np.array([table[c] for c in MOMENTUM_COLUMNS])
     for what, p in (("momentum", P[:3]), ("angular momentum", P[3:])):
@@ -147,14 +167,16 @@ def test_warning(tmp_path):
         assert len(told) == 2 and "grain 2 jumps by 0.01 in step 1," in told[0] and "grain 2 jumps by 0.02 in step 11," in told[1], told
         assert all("smoothly" in line for line in told)
     damage = edit(bond(1.2e-8), "axis radial ", "axis radial damage tensor B0 9.6e3 ")
-    for motion, warnings in ((pull(0.1265, 4e-6), 0), (HOLD + "fix pull second move linear 0 0 0.1265\n", 1),
-                             (HOLD + "fix pull second move linear 0 0 1e-4\n", 0)):
+    for motion, warnings in (
+        (pull(0.1265, 4e-6), 0),
+        (HOLD + "fix pull second move linear 0 0 0.1265\n", 1),
+        (HOLD + "fix pull second move linear 0 0 1e-4\n", 0),
+    ):
         assert run(damage + motion + "run 10\n", tmp_path / "damage").output.count(WARNING) == warnings
 
 
 # a rotation about the middle of the bond, of 100 rad/s, with a translation
-FLIGHT = ('variable vx atom "20 - 100*y"\nvariable vy atom "100*x"\nvelocity grains set v_vx v_vy 20\n'
-          "set group grains omegaz 100\n")
+FLIGHT = 'variable vx atom "20 - 100*y"\nvariable vy atom "100*x"\nvelocity grains set v_vx v_vy 20\n' "set group grains omegaz 100\n"
 
 
 @pytest.mark.parametrize("axis", [(1, 0, 0), (1, 2, 3)])
@@ -162,14 +184,17 @@ def test_cement_made_between_moving_grains(tmp_path, figures, axis):
     """It flies on with them, and is loaded by the rotation alone, as cement that follows its grains without waves."""
     tables = {}
     for condense in ("no", "yes"):
-        script = edit(bond(SMALL, f"damage tensor B0 9.6e3 condense {condense}", direction=axis, half_box=3 * (14e-3,)), "create_cement", FLIGHT + "create_cement")
+        script = edit(
+            bond(SMALL, f"damage tensor B0 9.6e3 condense {condense}", direction=axis, half_box=3 * (14e-3,)), "create_cement", FLIGHT + "create_cement"
+        )
         result = run(script + "fix free grains nve/sphere\n" + thermo(50, ENERGIES + ["f_cem[2]", "f_bond[21]"]) + "run 2000\n", tmp_path / condense)
         assert STARTS not in result.output
         tables[condense] = result.table()
     no, yes = tables["no"], tables["yes"]
     assert no["f_cem[2]"].max() == 0
-    figures.below(f"cement made in flight, axis {axis}: largest load against that of a condensed bond",
-                  abs(no["f_bond[21]"][-1] / yes["f_bond[21]"][-1] - 1), 0.005)
+    figures.below(
+        f"cement made in flight, axis {axis}: largest load against that of a condensed bond", abs(no["f_bond[21]"][-1] / yes["f_bond[21]"][-1] - 1), 0.005
+    )
     figures.below(f"cement made in flight, axis {axis}: imbalance of the energy", abs(no["f_cem[12]"]).max(), 2e-13)
 
 

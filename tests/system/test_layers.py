@@ -80,7 +80,9 @@ def test_no_part_knows_the_cement():
 
 def test_the_table_of_parts_is_in_their_order():
     """Parts refer to those that are made before them, so doc/architecture.md lists them in the order of cement.h."""
-    members = re.findall(r"^  (?:std::unique_ptr<)?(\w+)>? \w+_(?:\{.*\})?;", (PACKAGE / "cement" / "engine" / "cement.h").read_text().split("private:")[-1], re.M)
+    members = re.findall(
+        r"^  (?:std::unique_ptr<)?(\w+)>? \w+_(?:\{.*\})?;", (PACKAGE / "cement" / "engine" / "cement.h").read_text().split("private:")[-1], re.M
+    )
     text = (PACKAGE.parents[1] / "doc" / "architecture.md").read_text()
     table = re.findall(r"^\| `(\w+)`, `[\w/]+\.h` \|", text, re.M)
     assert len(table) > 10
@@ -114,8 +116,15 @@ def test_private_members_have_one_way_in():
     assert found == {"styles/atoms/private_access.cpp"}
 
 
-@pytest.mark.parametrize("code", ["template struct Expose<Tag, &Comm::bordergroup>;", "template class A<int Tag::*,\n  &LAMMPS_NS::Comm::x>;",
-                                  "#define OPEN(C, M) \\\n  template struct Expose<C##_##M, &C::M>;", "#define private public"])
+@pytest.mark.parametrize(
+    "code",
+    [
+        "template struct Expose<Tag, &Comm::bordergroup>;",
+        "template class A<int Tag::*,\n  &LAMMPS_NS::Comm::x>;",
+        "#define OPEN(C, M) \\\n  template struct Expose<C##_##M, &C::M>;",
+        "#define private public",
+    ],
+)
 def test_a_way_in_is_found(code):
     assert reaches_private_members(f"namespace n {{\n{code}\n}}\n")
     assert not reaches_private_members(f"// {code.splitlines()[0]}\nint f(int (C::*p)()) {{ return g<A>(&C::f); }}\n".replace("\\\n", "\n"))
@@ -123,8 +132,10 @@ def test_a_way_in_is_found(code):
 
 def without_words(text):
     """C++ with comments, strings and characters blanked out, as long as it was."""
+
     def blank(found):
         return re.sub(r"[^\n]", " ", found[0])
+
     return re.sub(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'', blank, text, flags=re.S)
 
 
@@ -165,13 +176,22 @@ def test_functions_are_short():
     assert not found, "\n".join(found)
 
 
-@pytest.mark.parametrize("opening", ["void A::f(int n) const {", "template <class T>\nT f(T a,\n   int b) {", "A::A(int a) : b_(a), c_{a} {",
-                                     "class B {\n public:\n  bool operator()(int a) override {", "auto f() -> std::vector<int> {",
-                                     "CommandStyle(x,X)\n\nclass X {\n  void f() {"])
+@pytest.mark.parametrize(
+    "opening",
+    [
+        "void A::f(int n) const {",
+        "template <class T>\nT f(T a,\n   int b) {",
+        "A::A(int a) : b_(a), c_{a} {",
+        "class B {\n public:\n  bool operator()(int a) override {",
+        "auto f() -> std::vector<int> {",
+        "CommandStyle(x,X)\n\nclass X {\n  void f() {",
+    ],
+)
 def test_a_long_function_is_found(opening):
     def text(lines):
         body = '  const auto g = [&](int i) { return i; };  // {\n  say("}{");\n' + "  if (a) { b = 1; }\n" * (lines - 4)
         return "namespace n {\n" + opening + "\n" + body + "}\n" + "};\n" * ("class " in opening and "template" not in opening) + "}\n"
+
     assert not too_long(text(75)), functions(text(75))
     assert len(too_long(text(85))) == 1
 
@@ -182,7 +202,7 @@ def body_at(text, opening):
     while True:
         depth += {"{": 1, "}": -1}.get(text[at], 0)
         if depth == 0:
-            return text[opening + 1:at]
+            return text[opening + 1 : at]
         at += 1
 
 
@@ -265,13 +285,22 @@ def test_the_engine_has_no_friends():
     assert not found
 
 
-@pytest.mark.parametrize("code, expected", [
-    ("class A : B {\n public:\n  int f() { return a_; }\n  double a_ = 0.0, b_;\n  T c_{1}, d_[3];\n  A() : a_(1) {}\n};\nclass C;", ["a_", "b_", "c_", "d_"]),
-    ("class A {\n  struct { int x = f(1, 2); T<int, 2> y; } s_;\n  int z_;\n};", ["s_", "s_.x", "s_.y", "z_"]),
-    ("class A {\n  struct B { int x, y; };\n  B s_;\n  std::vector<B> many_;\n  std::map<int, B> by_row_;\n};", ["s_", "s_.x", "s_.y", "many_", "by_row_"]),
-    ("class A {\n  struct B { struct C { int x; } c; } b_;\n};", ["b_", "b_.c", "b_.c.x"]),
-    ("struct A {\n  union { int i; double d; };\n  std::function<int(B&)> f;\n  M m = M::Zero();\n  const T& r;\n};", ["i", "d", "f", "m", "r"]),
-    ("class A {\n  using B = int;\n  static constexpr int k = 1;\n  enum C { c };\n  friend class D;\n  int f(int a = 1) const;\n  A& operator=(const A&);\n};", []),
-])
+@pytest.mark.parametrize(
+    "code, expected",
+    [
+        (
+            "class A : B {\n public:\n  int f() { return a_; }\n  double a_ = 0.0, b_;\n  T c_{1}, d_[3];\n  A() : a_(1) {}\n};\nclass C;",
+            ["a_", "b_", "c_", "d_"],
+        ),
+        ("class A {\n  struct { int x = f(1, 2); T<int, 2> y; } s_;\n  int z_;\n};", ["s_", "s_.x", "s_.y", "z_"]),
+        ("class A {\n  struct B { int x, y; };\n  B s_;\n  std::vector<B> many_;\n  std::map<int, B> by_row_;\n};", ["s_", "s_.x", "s_.y", "many_", "by_row_"]),
+        ("class A {\n  struct B { struct C { int x; } c; } b_;\n};", ["b_", "b_.c", "b_.c.x"]),
+        ("struct A {\n  union { int i; double d; };\n  std::function<int(B&)> f;\n  M m = M::Zero();\n  const T& r;\n};", ["i", "d", "f", "m", "r"]),
+        (
+            "class A {\n  using B = int;\n  static constexpr int k = 1;\n  enum C { c };\n  friend class D;\n  int f(int a = 1) const;\n  A& operator=(const A&);\n};",
+            [],
+        ),
+    ],
+)
 def test_members_are_found(code, expected):
     assert members(code + "\n")["A"] == expected

@@ -36,9 +36,14 @@ def lost(directory, script):
 def test_create_run_clear(tmp_path, figures, monkeypatch):
     # AddressSanitizer keeps what was freed, 256 MB if not told otherwise.
     monkeypatch.setenv("ASAN_OPTIONS", os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=4:thread_local_quarantine_size_kb=64")
-    scene = (pair(1e-4) + cement(CELL, DT, damage="damage tensor B0 9.6e3 events events.csv", couple="kn auto kt auto csv 10 bond.csv")
-             + pull(0.05, 1e-6) + point_quantities(["damage", "stress_zz"]) + "fix ts all check/timestep/mpm 10 cem 0.9 warn\nrun 20\n")
-    host = scene[:scene.index("create_cement")]
+    scene = (
+        pair(1e-4)
+        + cement(CELL, DT, damage="damage tensor B0 9.6e3 events events.csv", couple="kn auto kt auto csv 10 bond.csv")
+        + pull(0.05, 1e-6)
+        + point_quantities(["damage", "stress_zz"])
+        + "fix ts all check/timestep/mpm 10 cem 0.9 warn\nrun 20\n"
+    )
+    host = scene[: scene.index("create_cement")]
     per_round, resident = lost(tmp_path / "cement", rounds(scene))
     # LIGGGHTS' own share: the same without the cement.
     own, _ = lost(tmp_path / "host", rounds(host + "timestep 1e-9\nfix move grains nve/sphere\nrun 20\n"))
@@ -51,8 +56,7 @@ def test_grains_that_come_and_go(tmp_path, figures):
     speed = 2e5  # passes a rank in three steps
     script = pair(2e-4, boundary="p f f", processors="* 1 1", cement="outer 1.6e-3")
     script = script.replace("include grains delay 0", "include grains every 1 delay 0 check no") + cement(4e-4, 1e-8)
-    script += (f"velocity all set {speed} 0 0\nfix on grains move linear {speed} 0 0\nthermo 1000\n"
-               "run 200\nrun 1500\nrun 0\n")
+    script += f"velocity all set {speed} 0 0\nfix on grains move linear {speed} 0 0\nthermo 1000\n" "run 200\nrun 1500\nrun 0\n"
     done = run(script, tmp_path, 2)
     used = [float(m) for m in re.findall(r"Memory usage per processor = (\S+) Mbytes", done.output)]
     assert len(used) == 3

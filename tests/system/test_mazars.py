@@ -19,8 +19,13 @@ def damage_at(kappa):
 
 
 def scene(words=WORDS, every=20, cement_words="content 0.01"):
-    return (pair(CELL / 2, cement=cement_words) + CONTACT + cement(CELL, 4e-9, elastic=CALCITE, axis="radial", damage=words)
-            + pull(4.0, RAMP) + thermo(every, COLUMNS))
+    return (
+        pair(CELL / 2, cement=cement_words)
+        + CONTACT
+        + cement(CELL, 4e-9, elastic=CALCITE, axis="radial", damage=words)
+        + pull(4.0, RAMP)
+        + thermo(every, COLUMNS)
+    )
 
 
 def test_pulled_through_failure(tmp_path, figures):
@@ -86,14 +91,21 @@ def test_written_and_read(tmp_path):
         assert done.status != 0 and found in done.output, done.output[-2000:]
 
 
-@pytest.mark.parametrize("words, found", [
-    ("damage mazars At 0.9 Bt 1e3", ["'damage mazars' needs 'kappa0'"]),
-    ("damage mazars kappa0 1e-3 At 1.5 Bt 1e3", ["damage mazars At 1.5", "(0, 1]"]),
-    ("damage mazars kappa0 1e-3 At 0.9 Bt 0", ["damage mazars Bt 0", "greater than 0"]),
-    ("damage mazars kappa0 1e-3 At 0.9 Bt 1e3 zeta 0.1", ["'zeta' belongs to the words of 'damage tensor'"]),
-    ("damage mazars kappa0 1e-3 At 0.9 Bt 1e3 check 10 cutoff 0.8", ["'cutoff' belongs to the words of 'damage mazars'", "kappa0 ... At ... Bt ... cutoff"]),
-    ("damage mazar", ["none, tensor, mazars"]),
-    (WORDS + " regularization crackband 10", ["'regularization crackband 10' does not go with 'damage mazars kappa0", "'damage tensor'"])])
+@pytest.mark.parametrize(
+    "words, found",
+    [
+        ("damage mazars At 0.9 Bt 1e3", ["'damage mazars' needs 'kappa0'"]),
+        ("damage mazars kappa0 1e-3 At 1.5 Bt 1e3", ["damage mazars At 1.5", "(0, 1]"]),
+        ("damage mazars kappa0 1e-3 At 0.9 Bt 0", ["damage mazars Bt 0", "greater than 0"]),
+        ("damage mazars kappa0 1e-3 At 0.9 Bt 1e3 zeta 0.1", ["'zeta' belongs to the words of 'damage tensor'"]),
+        (
+            "damage mazars kappa0 1e-3 At 0.9 Bt 1e3 check 10 cutoff 0.8",
+            ["'cutoff' belongs to the words of 'damage mazars'", "kappa0 ... At ... Bt ... cutoff"],
+        ),
+        ("damage mazar", ["none, tensor, mazars"]),
+        (WORDS + " regularization crackband 10", ["'regularization crackband 10' does not go with 'damage mazars kappa0", "'damage tensor'"]),
+    ],
+)
 def test_bad_options(tmp_path, words, found):
     done = launch(scene(words) + "run 0\n", tmp_path)
     assert done.status != 0

@@ -133,11 +133,21 @@ def test_as_without_cement(tmp_path, alone, ranks, restart):
 @pytest.mark.parametrize("gravity", ["5000", "v_g"])
 def test_energy_of_gravity(tmp_path, ranks, gravity):
     """The scalar of fix gravity is the potential energy of grains and points, also where points have no forces of gravity."""
-    script = (GRAINS + NEIGHBOURS + CEMENT + "variable g equal 5000+step\n" + edit(MODEL, "gravity 5000", f"gravity {gravity}") + MPM + MOTION
-              + "variable mine atom -mass*(v_g-step)*(0.1*x-0.7*y-z)/sqrt(0.1^2+0.7^2+1)\n")
+    script = (
+        GRAINS
+        + NEIGHBOURS
+        + CEMENT
+        + "variable g equal 5000+step\n"
+        + edit(MODEL, "gravity 5000", f"gravity {gravity}")
+        + MPM
+        + MOTION
+        + "variable mine atom -mass*(v_g-step)*(0.1*x-0.7*y-z)/sqrt(0.1^2+0.7^2+1)\n"
+    )
     columns = ["f_g", "c_all", "c_grains", "c_force"]
-    script += ("compute all all reduce sum v_mine\ncompute grains grains reduce sum v_mine\nvariable f atom abs(fx)+abs(fy)+abs(fz)\n"
-               "compute force calcite reduce max v_f\n" + thermo(20, columns) + "thermo_modify norm no\nrun 200\n")
+    script += (
+        "compute all all reduce sum v_mine\ncompute grains grains reduce sum v_mine\nvariable f atom abs(fx)+abs(fy)+abs(fz)\n"
+        "compute force calcite reduce max v_f\n" + thermo(20, columns) + "thermo_modify norm no\nrun 200\n"
+    )
     table = go(tmp_path, script if gravity == "5000" else script.replace("(v_g-step)", "v_g"), ranks).table()
     # LIGGGHTS loops over points itself where gravity has a variable, and has their positions as they were reported last
     assert table["f_g"] == pytest.approx(table["c_all"], rel=1e-12 if gravity == "5000" else 1e-6, abs=0)

@@ -13,9 +13,23 @@ FILES = [f"{folder}/{name}.cpp" for folder in ("mpm", "styles", "host") for name
 
 def candidates(shift=0):
     """Four operators in each of ten lines of every file; `shift` lines were inserted above them."""
-    return [draw.Candidate(path, operator, 100 * line + 10 * k, 100 * line + 10 * k + 5, line + shift, f"x{line}", f"y{line}",
-                           f"(mpdem_mutant({{n}}) ? y{line} : x{line})", f"line {line}", 0)
-            for path in FILES for line in range(10) for k, operator in enumerate(("sign", "index", "order", "logic"))]
+    return [
+        draw.Candidate(
+            path,
+            operator,
+            100 * line + 10 * k,
+            100 * line + 10 * k + 5,
+            line + shift,
+            f"x{line}",
+            f"y{line}",
+            f"(mpdem_mutant({{n}}) ? y{line} : x{line})",
+            f"line {line}",
+            0,
+        )
+        for path in FILES
+        for line in range(10)
+        for k, operator in enumerate(("sign", "index", "order", "logic"))
+    ]
 
 
 def keys(mutants):
@@ -41,8 +55,22 @@ def test_what_changes_elsewhere_leaves_a_draw_alone():
 
 
 def test_more_in_lines_that_changed():
-    diff = "\n".join(["diff --git a/mpm/a.cpp b/mpm/a.cpp", "--- a/mpm/a.cpp", "+++ b/mpm/a.cpp", "@@ -3,0 +4,2 @@ int f() {", "+x", "+y",
-                      "@@ -9 +11 @@", "-z", "+w", "@@ -20,2 +21,0 @@", "-gone", "-gone"])
+    diff = "\n".join(
+        [
+            "diff --git a/mpm/a.cpp b/mpm/a.cpp",
+            "--- a/mpm/a.cpp",
+            "+++ b/mpm/a.cpp",
+            "@@ -3,0 +4,2 @@ int f() {",
+            "+x",
+            "+y",
+            "@@ -9 +11 @@",
+            "-z",
+            "+w",
+            "@@ -20,2 +21,0 @@",
+            "-gone",
+            "-gone",
+        ]
+    )
     assert draw.changed_lines(diff) == {("mpm/a.cpp", 4), ("mpm/a.cpp", 5), ("mpm/a.cpp", 11)}
     first = draw.draw(candidates(), 1, 8, 26, set())
     young = [c for c in candidates() if c.line >= 5]
@@ -55,8 +83,7 @@ def test_switches():
     source = b"a = x0;\nb = x1;\n"
     one = draw.Candidate("mpm/a.cpp", "sign", 4, 6, 1, "x0", "-(x0)", "(mpdem_mutant({n}) ? -(x0) : (x0))")
     two = draw.Candidate("mpm/a.cpp", "sign", 12, 14, 2, "x1", "-(x1)", "(mpdem_mutant({n}) ? -(x1) : (x1))")
-    assert draw.switched(source, [(3, one), (4, two)]) == \
-        b"a = (mpdem_mutant(3) ? -(x0) : (x0));\nb = (mpdem_mutant(4) ? -(x1) : (x1));\n"
+    assert draw.switched(source, [(3, one), (4, two)]) == b"a = (mpdem_mutant(3) ? -(x0) : (x0));\nb = (mpdem_mutant(4) ? -(x1) : (x1));\n"
 
 
 def test_lines_that_change_nothing_are_still_there():

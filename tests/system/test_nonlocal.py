@@ -64,32 +64,43 @@ def test_energy_beside_a_grain(tmp_path, figures, monkeypatch, cells_a_length, e
     assert r["end"] < 0.02
     ends = sorted((r["profile"][0], r["profile"][-1]))
     assert ends[0] < 0.5 and ends[1] > 0.85, "it broke inside, or came off both grains"
-    figures.below(f"energy {energy:g} at a grain, {cells_a_length:g} cells a length, {'stiff' if 'auto' in couple else 'soft'} links: error",
-                  abs(r["under_curve"] / energy - 1), limit)
+    figures.below(
+        f"energy {energy:g} at a grain, {cells_a_length:g} cells a length, {'stiff' if 'auto' in couple else 'soft'} links: error",
+        abs(r["under_curve"] / energy - 1),
+        limit,
+    )
 
 
-@pytest.mark.parametrize("words, message", [
-    ("nonlocal 1.9e-4", "the length must be at least the cell, which is 0.0002; take 'cell 0.00019' or less"),
-    ("nonlocal 0.2", "the length must be at most 100 cells, which are 0.02, in the units of the box"),
-    ("nonlocal 0", "regularization nonlocal"),
-    ("nonlocal -1e-4", "regularization nonlocal"),
-    ("nonlocal 2e-4 energy -1", "regularization nonlocal ... energy"),
-    ("nonlocal 2e-4 energy 1", "must lie between"),
-    ("nonlocal 2e-4 energy 1e4", "or for this G_f the length between"),
-    ("nonlocal 2e-4 imperfection -1e-3", "regularization nonlocal ... imperfection"),
-    ("nonlocal 2e-4 imperfection 0.2", "by how much more strain one side of a bond carries"),
-    ("nonlocal 2e-4 imperfecton 1e-3", "and after 'regularization nonlocal' energy, imperfection"),
-    ("nonlocal 2e-4 imperfection nan", "a finite number is needed"),
-    ("nonlocal 2e-4 imperfection 1e-3 energy 14 imperfection 1e-3", "'imperfection' is given twice in regularization nonlocal")])
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        ("nonlocal 1.9e-4", "the length must be at least the cell, which is 0.0002; take 'cell 0.00019' or less"),
+        ("nonlocal 0.2", "the length must be at most 100 cells, which are 0.02, in the units of the box"),
+        ("nonlocal 0", "regularization nonlocal"),
+        ("nonlocal -1e-4", "regularization nonlocal"),
+        ("nonlocal 2e-4 energy -1", "regularization nonlocal ... energy"),
+        ("nonlocal 2e-4 energy 1", "must lie between"),
+        ("nonlocal 2e-4 energy 1e4", "or for this G_f the length between"),
+        ("nonlocal 2e-4 imperfection -1e-3", "regularization nonlocal ... imperfection"),
+        ("nonlocal 2e-4 imperfection 0.2", "by how much more strain one side of a bond carries"),
+        ("nonlocal 2e-4 imperfecton 1e-3", "and after 'regularization nonlocal' energy, imperfection"),
+        ("nonlocal 2e-4 imperfection nan", "a finite number is needed"),
+        ("nonlocal 2e-4 imperfection 1e-3 energy 14 imperfection 1e-3", "'imperfection' is given twice in regularization nonlocal"),
+    ],
+)
 def test_bad_options(tmp_path, words, message):
     text = scene(words)
     result = launch(text, tmp_path)
     assert result.status != 0 and len(result.errors()) == 1 and message in result.errors()[0]
 
 
-@pytest.mark.parametrize("damage, words, message", [
-    ("none", "", "'regularization nonlocal 2e-4' does not go with 'damage none'"),
-    ("mazars kappa0 4e-4 At 1 Bt 3000", "energy 10", "energy 10' does not go with 'damage mazars kappa0")])
+@pytest.mark.parametrize(
+    "damage, words, message",
+    [
+        ("none", "", "'regularization nonlocal 2e-4' does not go with 'damage none'"),
+        ("mazars kappa0 4e-4 At 1 Bt 3000", "energy 10", "energy 10' does not go with 'damage mazars kappa0"),
+    ],
+)
 def test_law_that_cannot(tmp_path, damage, words, message):
     text = edit(scene(f"nonlocal 2e-4 {words}"), f"damage tensor B0 {B0}", f"damage {damage}")
     result = launch(text, tmp_path)
@@ -100,10 +111,17 @@ def scene(words):
     return pair(1e-4) + CONTACT + cement(2e-4, 1e-9, damage=f"damage tensor B0 {B0} regularization {words}") + "run 0\n"
 
 
-@pytest.mark.parametrize("words, cracks", [
-    ("", "bonds"), ("regularization nonlocal 2e-4", "split"), ("regularization nonlocal 2e-4 cracks bonds", "bonds"),
-    ("regularization nonlocal 2e-4 condense yes", "bonds"), ("regularization nonlocal 2e-4 kinematics updated", "bonds"),
-    ("regularization nonlocal 2e-4 reproject 10", "bonds")])
+@pytest.mark.parametrize(
+    "words, cracks",
+    [
+        ("", "bonds"),
+        ("regularization nonlocal 2e-4", "split"),
+        ("regularization nonlocal 2e-4 cracks bonds", "bonds"),
+        ("regularization nonlocal 2e-4 condense yes", "bonds"),
+        ("regularization nonlocal 2e-4 kinematics updated", "bonds"),
+        ("regularization nonlocal 2e-4 reproject 10", "bonds"),
+    ],
+)
 def test_cracks_by_default(tmp_path, words, cracks):
     """The average ends at a crack only where its sides have nodes of their own."""
     done = launch(pair(1e-4) + cement(2e-4, 1e-9, damage=f"damage tensor B0 9.6e3 {words}") + CONTACT + "run 0\n", tmp_path)
@@ -111,8 +129,7 @@ def test_cracks_by_default(tmp_path, words, cracks):
     assert re.search(r"^  cracks +(\w+)$", done.output, re.M)[1] == cracks
 
 
-@pytest.mark.parametrize("beads, ranks, weaker", [
-    ("equal", 1, 1), ("IDs swapped", 1, 2), ("IDs swapped", 2, 2), ("upper one larger", 1, 2)])
+@pytest.mark.parametrize("beads, ranks, weaker", [("equal", 1, 1), ("IDs swapped", 1, 2), ("IDs swapped", 2, 2), ("upper one larger", 1, 2)])
 def test_imperfection_decides_which_grain_debonds(tmp_path, figures, beads, ranks, weaker):
     """Without it an eighth of the fracture surface is at the second grain. The weaker side is that of the lower of equal beads, and else that of the larger."""
     script = (Path(__file__).parents[2] / "examples" / "pair_table" / "in.pair_table").read_text()

@@ -70,6 +70,7 @@ def test_options_ask_no_more():
 def test_the_command(tmp_path):
     def command(*words):
         return subprocess.run([sys.executable, str(ROOT / "tools" / "option_conditions.py"), *words], capture_output=True, text=True)
+
     rows = command("--csv").stdout.splitlines()
     assert rows[0] == "option,conditions,files" and rows[-1].startswith("lines of several,")
     assert "styles/" in command("-v").stdout

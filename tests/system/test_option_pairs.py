@@ -119,20 +119,27 @@ COLUMNS = [FAILED, IMBALANCE, SEPARATED, *BOOKS, *MOMENTUM_COLUMNS, *FORCES]
 
 def scene(chosen, file=""):
     """Grains that touch, with a ring of cement, fly apart and sideways.  file: restart file that it goes on from."""
+
     def words(options):
         return " ".join(chosen.get(name, "") for name in options)
+
     start = f"""\
 variable     vz atom "{SPEED / 5e-3}*z"
 variable     vx atom "{0.3 * SPEED / 5e-3}*z"
 velocity     all set v_vx 0 v_vz
 """
     step = "" if chosen.get("subcycle") == "subcycle auto" else "timestep auto 0.4"
-    return (restarted(file, processors="1 1 *") if file else pair(2e-4, cement=f"outer 2e-3 {words(CREATE)}", processors="1 1 *")) + f"""\
+    return (
+        (restarted(file, processors="1 1 *") if file else pair(2e-4, cement=f"outer 2e-3 {words(CREATE)}", processors="1 1 *"))
+        + f"""\
 timestep     1e-7
 fix          cem calcite mpm cell 4e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 {step} check 20 kinetic_share no {words(MPM)}
 fix          bond grains mpm/couple cem {words(COUPLE)}
 {"" if file else start}fix          motion grains nve/sphere
-""" + MOMENTA + thermo(EVERY, COLUMNS)
+"""
+        + MOMENTA
+        + thermo(EVERY, COLUMNS)
+    )
 
 
 def found_in(look, cases):
@@ -191,7 +198,7 @@ def trouble_of(chosen, folder):
         if off > (1e-7 if {"kinematics updated", "transfer flip 0.99"} <= set(chosen.values()) and "joined" in chosen["film"] else 1e-12):
             found.append(f"{name} off by {off:.1e}")
     for name in COLUMNS:
-        if not np.array_equal(again[name], one[name][-len(again[name]):]):
+        if not np.array_equal(again[name], one[name][-len(again[name]) :]):
             found.append(f"{name} not bitwise the same after a restart")
     whole = (one[FAILED] == 0) & (two[FAILED] == 0)
     for name in BOOKS + FORCES + MOMENTUM_COLUMNS:

@@ -26,10 +26,13 @@ def triangle(turned):
 
 def scene(centres, words, ranks=1, half=2.6e-3, boundary="f f f"):
     atoms = "".join("create_atoms 1 single " + " ".join(f"{c:.17g}" for c in x) + " units box\n" for x in centres)
-    return (host(boundary=boundary, processors=f"{ranks} 1 1")
-            + f"region box block {-half} {half} {-half} {half} {-half} {half} units box\ncreate_box 2 box\n{atoms}"
-            f"set type 1 diameter {2 * R} density 2500\ngroup grains type 1\n" + NEIGHBOURS
-            + f"create_cement calcite contacts grains gap 1e-6 {words} inner {INNER} film grid spacing {SPACING}\n")
+    return (
+        host(boundary=boundary, processors=f"{ranks} 1 1")
+        + f"region box block {-half} {half} {-half} {half} {-half} {half} units box\ncreate_box 2 box\n{atoms}"
+        f"set type 1 diameter {2 * R} density 2500\ngroup grains type 1\n"
+        + NEIGHBOURS
+        + f"create_cement calcite contacts grains gap 1e-6 {words} inner {INNER} film grid spacing {SPACING}\n"
+    )
 
 
 def inside(kind, x, c0, c1):
@@ -37,7 +40,7 @@ def inside(kind, x, c0, c1):
     n = (c1 - c0) / np.linalg.norm(c1 - c0)
     from0, from1 = np.linalg.norm(x - c0, axis=1), np.linalg.norm(x - c1, axis=1)
     z = (x - 0.5 * (c0 + c1)) @ n
-    r = np.sqrt(np.maximum(((x - 0.5 * (c0 + c1))**2).sum(axis=1) - z**2, 0))
+    r = np.sqrt(np.maximum(((x - 0.5 * (c0 + c1)) ** 2).sum(axis=1) - z**2, 0))
     found = np.zeros(len(x), bool)
     if kind in ("meniscus", "both"):
         # a circle that touches both spheres where the angle from the line of centres is FILLING
@@ -85,7 +88,7 @@ def attached(kind, centres):
         for other in range(3):
             if other != g:
                 towards = n @ (centres[other] - centres[g]) / (2 * R)
-                covered |= (towards > np.cos(largest)) & (towards < np.sqrt(1 - (INNER / R)**2))
+                covered |= (towards > np.cos(largest)) & (towards < np.sqrt(1 - (INNER / R) ** 2))
         total += covered.mean() * 4 * np.pi * R**2
     return total
 
@@ -93,8 +96,9 @@ def attached(kind, centres):
 def made(output):
     """Volume, and the two attached areas, of each bond; the sums of the last line."""
     bonds = [[float(v) for v in m] for m in re.findall(r"^  volume (\S+), content .*, attached area (\S+) \+ (\S+), (\d+) points", output, re.M)]
-    sums = re.findall(r"^  in all (\d+) points, volume (\S+), mass (\S+), content \(mass over that of the (\d+) grains of group 'grains', (\S+)\) (\S+)$",
-                      output, re.M)
+    sums = re.findall(
+        r"^  in all (\d+) points, volume (\S+), mass (\S+), content \(mass over that of the (\d+) grains of group 'grains', (\S+)\) (\S+)$", output, re.M
+    )
     assert len(sums) == 1, output[-2000:]
     return np.array(bonds), [float(v) for v in sums[0]]
 
@@ -102,8 +106,10 @@ def made(output):
 @pytest.mark.parametrize("kind, turned", [("meniscus", True), ("coating", False), ("both", True)])
 def test_trim(tmp_path, figures, kind, turned):
     centres = triangle(turned)
-    fixes = ("timestep 1e-9\nfix cem calcite mpm cell 1e-4 elastic isotropic 1e9 0.25\nfix bond grains mpm/couple cem\n"
-             "fix motion grains nve/sphere\nvelocity grains set 0.1 0.2 0.3\nrun 5\n")
+    fixes = (
+        "timestep 1e-9\nfix cem calcite mpm cell 1e-4 elastic isotropic 1e9 0.25\nfix bond grains mpm/couple cem\n"
+        "fix motion grains nve/sphere\nvelocity grains set 0.1 0.2 0.3\nrun 5\n"
+    )
     outputs = [run(scene(centres, SHAPES[kind] + " overlap trim", ranks) + fixes, tmp_path, ranks).output for ranks in (1, 2)]
     bonds, sums = made(outputs[0])
     again, again_sums = made(outputs[1])
@@ -116,8 +122,7 @@ def test_trim(tmp_path, figures, kind, turned):
     assert lost > 0.01
     figures.below(f"three grains, {kind}, trimmed: volume against the union, relative", abs(sums[1] / volume - 1), 5e-4)
     figures.below(f"three grains, {kind}, trimmed: attached area against the union, relative", abs(bonds[:, 1:3].sum() / area - 1), 5e-4)
-    figures.below(f"three grains, {kind}, trimmed: volumes of the bonds, equal by symmetry, relative",
-                  np.ptp(bonds[:, 0]) / bonds[:, 0].mean(), 5e-4)
+    figures.below(f"three grains, {kind}, trimmed: volumes of the bonds, equal by symmetry, relative", np.ptp(bonds[:, 0]) / bonds[:, 0].mean(), 5e-4)
     grains = 3 * 4 / 3 * np.pi * R**3 * 2500
     assert sums[0] == bonds[:, 3].sum() and abs(sums[1] / bonds[:, 0].sum() - 1) < 1e-5
     assert abs(sums[2] / (2710 * sums[1]) - 1) < 1e-5 and sums[3] == 3 and abs(sums[4] / grains - 1) < 1e-5
@@ -137,8 +142,12 @@ def test_trim_across_a_periodic_boundary(tmp_path):
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_skip(tmp_path, ranks):
     """Bonds are made in the order of the IDs, and left out where they overlap."""
-    result = run(scene(triangle(False), SHAPES["meniscus"] + " overlap skip", ranks)
-                 + f"create_cement calcite pair 2 3 {SHAPES['meniscus']} overlap skip inner {INNER} film grid spacing {SPACING}\n", tmp_path, ranks)
+    result = run(
+        scene(triangle(False), SHAPES["meniscus"] + " overlap skip", ranks)
+        + f"create_cement calcite pair 2 3 {SHAPES['meniscus']} overlap skip inner {INNER} film grid spacing {SPACING}\n",
+        tmp_path,
+        ranks,
+    )
     bonds, sums = made(result.output)
     assert len(bonds) == 1 and sums[0] == bonds[0, 3] and sums[1] == bonds[0, 0]
     assert "Cement at 1 contacts of group 'grains'" in result.output
@@ -146,9 +155,14 @@ def test_skip(tmp_path, ranks):
     assert "1 bonds left out whose cement would overlap that of others, between grains 2-3\n" in result.output
 
 
-@pytest.mark.parametrize("words, needed", [
-    ("", ["1 and 3", "overlaps that of grains 1 and 2", "'overlap skip'", "'overlap trim'"]),
-    (" overlap error", ["'overlap trim'"]), (" overlap cut", ["overlap cut", "error", "skip", "trim"])])
+@pytest.mark.parametrize(
+    "words, needed",
+    [
+        ("", ["1 and 3", "overlaps that of grains 1 and 2", "'overlap skip'", "'overlap trim'"]),
+        (" overlap error", ["'overlap trim'"]),
+        (" overlap cut", ["overlap cut", "error", "skip", "trim"]),
+    ],
+)
 def test_error(tmp_path, words, needed):
     for ranks in (1, 2):
         result = launch(scene(triangle(False), SHAPES["meniscus"] + words, ranks), tmp_path, ranks)
@@ -162,10 +176,17 @@ def test_trim_has_its_limits(tmp_path):
     centres = triangle(False)
     first = scene(centres, SHAPES["meniscus"]).replace("contacts grains gap 1e-6", "pair 1 2")
     more = f"create_cement calcite contacts grains gap 1e-6 {SHAPES['meniscus']} overlap trim inner {INNER} film grid spacing {SPACING}\n"
-    for script, needed in ((first + more, ["1 and 3", "earlier command", "overlap skip"]),
-                           (first.replace("spacing", "overlap trim spacing"), ["pair 1 2", "'contacts'"]),
-                           (first + "write_cement c.txt\n" + scene(centres, "").split("create_cement")[0].replace("units        si", "clear\nunits si")
-                            + f"create_cement calcite contacts grains gap 1e-6 file c.txt overlap trim spacing {SPACING}\n", ["file", "overlap skip"])):
+    for script, needed in (
+        (first + more, ["1 and 3", "earlier command", "overlap skip"]),
+        (first.replace("spacing", "overlap trim spacing"), ["pair 1 2", "'contacts'"]),
+        (
+            first
+            + "write_cement c.txt\n"
+            + scene(centres, "").split("create_cement")[0].replace("units        si", "clear\nunits si")
+            + f"create_cement calcite contacts grains gap 1e-6 file c.txt overlap trim spacing {SPACING}\n",
+            ["file", "overlap skip"],
+        ),
+    ):
         result = launch(script, tmp_path)
         assert result.status != 0 and len(result.errors()) == 1, result.output[-2000:]
         for word in needed:

@@ -40,7 +40,7 @@ def stiffness(table):
 
 def ring(integrand):
     """Integral over the ring of integrand(r, height of the gap, its slope), cement between two spheres that touch."""
-    inner, outer = math.sqrt(RADIUS**2 - (RADIUS - 1.5e-4)**2), 2.37197e-3
+    inner, outer = math.sqrt(RADIUS**2 - (RADIUS - 1.5e-4) ** 2), 2.37197e-3
     r = np.linspace(inner, outer, 20001)
     root = np.sqrt(RADIUS**2 - r**2)
     y = 2 * math.pi * r * integrand(r, 2 * (RADIUS - root), 2 * r / root)
@@ -76,8 +76,7 @@ def test_motion_is_smooth(tmp_path, figures):
         speed = np.diff(table["way"]) / np.diff(table["time"])
         jump = np.abs(np.diff(speed)).max() / speed.max()
         # the steepest piece of the ramp, a step long
-        figures.below(f"{load}: largest change of speed in a step over that of the ramp",
-                      jump / (0.5 * math.pi * np.diff(table["time"])[0] / 1e-5), 1.01)
+        figures.below(f"{load}: largest change of speed in a step over that of the ramp", jump / (0.5 * math.pi * np.diff(table["time"])[0] / 1e-5), 1.01)
         assert speed[0] < 1e-4 * speed.max()
 
 
@@ -102,10 +101,18 @@ def test_force_and_displacement(tmp_path, figures):
     figures.below("compression against tension", abs(peak["compression"] / peak["tension"] - 1), 0.02)
 
 
-@pytest.mark.parametrize("word, value, expected", [
-    ("shape", "flt", "-var shape: must be flat, meniscus"), ("load", "tensoin", "-var load: must be tension"),
-    ("content", "-1", "-var content: must lie in"), ("speed", "0", "-var speed: must not be 0"),
-    ("diameter", "1", "-var diameter: must lie in"), ("limit", "3", "-var limit: must be at least"), ("regularization", "crackbnd", "must be one of none, crackband")])
+@pytest.mark.parametrize(
+    "word, value, expected",
+    [
+        ("shape", "flt", "-var shape: must be flat, meniscus"),
+        ("load", "tensoin", "-var load: must be tension"),
+        ("content", "-1", "-var content: must lie in"),
+        ("speed", "0", "-var speed: must not be 0"),
+        ("diameter", "1", "-var diameter: must lie in"),
+        ("limit", "3", "-var limit: must be at least"),
+        ("regularization", "crackbnd", "must be one of none, crackband"),
+    ],
+)
 def test_variables_of_the_script(word, value, expected, tmp_path):
     result = launch(SCRIPT.read_text(), tmp_path, name="in.pair_table", arguments=["-var", word, value])
     assert result.status != 0 and len(result.errors()) == 1
@@ -114,8 +121,24 @@ def test_variables_of_the_script(word, value, expected, tmp_path):
 
 
 def table_command(out, *more):
-    return [PYTHON, str(ROOT / "tools" / "pair_table.py"), str(out), "--exe", executable(), "--set", "coarse=2.5e-4",
-            "--shapes", "flat,meniscus", "--loads", "tension,torsion", "--contents", "0.01", "--jobs", "1", *more]
+    return [
+        PYTHON,
+        str(ROOT / "tools" / "pair_table.py"),
+        str(out),
+        "--exe",
+        executable(),
+        "--set",
+        "coarse=2.5e-4",
+        "--shapes",
+        "flat,meniscus",
+        "--loads",
+        "tension,torsion",
+        "--contents",
+        "0.01",
+        "--jobs",
+        "1",
+        *more,
+    ]
 
 
 def running_in(folder):
@@ -153,8 +176,7 @@ def test_table_is_resumed(tmp_path):
     assert all(p.stat().st_mtime_ns == t for p, t in done.items())
     with open(out / "table.csv") as f:
         rows = list(csv.DictReader(f))
-    assert len(rows) == 4 and {(r["shape"], r["load"]) for r in rows} == {(s, l) for s in ("flat", "meniscus")
-                                                                         for l in ("tension", "torsion")}
+    assert len(rows) == 4 and {(r["shape"], r["load"]) for r in rows} == {(s, l) for s in ("flat", "meniscus") for l in ("tension", "torsion")}
     for row in rows:
         peak, energy = float(row["peak"]), float(row["energy"])
         assert peak > (10 if row["load"] == "tension" else 0.1) and energy > 0 and row["mode"] in ("internal", "debonding", "mixed")
@@ -167,23 +189,45 @@ def test_table_is_resumed(tmp_path):
     assert "4 finished before, 0 to do" in third.stdout
 
 
-@pytest.mark.parametrize("words, expected", [
-    (["--shapes", "flt"], "shape flt: must be one of flat"), (["--loads", "pull"], "load pull: must be one of tension"),
-    (["--contents", "0.1,x"], "--contents 0.1,x: must be numbers"), (["--contents", "7"], "content 7: must lie in"),
-    (["--set", "spede=1"], "spede: no variable of the table"), (["--set", "speed"], "--set speed: must be NAME=VALUE"),
-    (["--vary", "refine=0"], "refine 0: must be a positive number"), (["--table", "none.json"], "none.json: No such file"),
-    (["--exe", "/nowhere/x"], "/nowhere/x: no such executable")])
+@pytest.mark.parametrize(
+    "words, expected",
+    [
+        (["--shapes", "flt"], "shape flt: must be one of flat"),
+        (["--loads", "pull"], "load pull: must be one of tension"),
+        (["--contents", "0.1,x"], "--contents 0.1,x: must be numbers"),
+        (["--contents", "7"], "content 7: must lie in"),
+        (["--set", "spede=1"], "spede: no variable of the table"),
+        (["--set", "speed"], "--set speed: must be NAME=VALUE"),
+        (["--vary", "refine=0"], "refine 0: must be a positive number"),
+        (["--table", "none.json"], "none.json: No such file"),
+        (["--exe", "/nowhere/x"], "/nowhere/x: no such executable"),
+    ],
+)
 def test_arguments_of_the_driver(words, expected, tmp_path):
-    result = subprocess.run([PYTHON, ROOT / "tools" / "pair_table.py", tmp_path / "out", "--exe", executable(), *words],
-                            capture_output=True, text=True, timeout=60 * PATIENCE)
+    result = subprocess.run(
+        [PYTHON, ROOT / "tools" / "pair_table.py", tmp_path / "out", "--exe", executable(), *words], capture_output=True, text=True, timeout=60 * PATIENCE
+    )
     assert result.returncode != 0 and expected in result.stderr and len(result.stderr.strip().splitlines()) == 1
     assert not list((tmp_path).glob("out/*"))
 
 
 def test_a_run_that_fails_is_named(tmp_path):
     """Too much cement for the shape: the message of create_cement comes through, other runs go on."""
-    command = [PYTHON, ROOT / "tools" / "pair_table.py", tmp_path, "--exe", executable(), "--shapes", "flat",
-               "--loads", "tension", "--contents", "0.01,0.5", "--set", "coarse=2.5e-4"]
+    command = [
+        PYTHON,
+        ROOT / "tools" / "pair_table.py",
+        tmp_path,
+        "--exe",
+        executable(),
+        "--shapes",
+        "flat",
+        "--loads",
+        "tension",
+        "--contents",
+        "0.01,0.5",
+        "--set",
+        "coarse=2.5e-4",
+    ]
     result = subprocess.run(command, capture_output=True, text=True, timeout=200 * PATIENCE)
     assert result.returncode != 0 and "1 of 2 runs failed" in result.stderr and "does not fit" in result.stderr
     done = [json.loads(p.read_text()) for p in tmp_path.glob("*/done.json")]
@@ -211,11 +255,35 @@ def test_points_of_a_file(tmp_path):
     peak = shape["load"].max()
     assert peak > 10 and float(of_file["broken"]) == float(result["broken"]) == 1 and of_file["mode"] == result["mode"]
     assert abs(file["load"].max() - peak) < 1e-6 * peak
-    table = subprocess.run([PYTHON, ROOT / "tools" / "pair_table.py", tmp_path / "out", "--exe", executable(), "--shapes", "file", "--loads", "tension"],
-                           capture_output=True, text=True, timeout=60 * PATIENCE)
+    table = subprocess.run(
+        [PYTHON, ROOT / "tools" / "pair_table.py", tmp_path / "out", "--exe", executable(), "--shapes", "file", "--loads", "tension"],
+        capture_output=True,
+        text=True,
+        timeout=60 * PATIENCE,
+    )
     assert table.returncode != 0 and "points FILE is for shape file" in table.stderr
-    done = subprocess.run([PYTHON, ROOT / "tools" / "pair_table.py", tmp_path / "out", "--exe", executable(), "--shapes", "file", "--loads", "tension",
-                           "--contents", "0.01", "--set", f"points={tmp_path / 'solid.txt'}", "--set", "coarse=2e-4"], capture_output=True, text=True, timeout=60 * PATIENCE)
+    done = subprocess.run(
+        [
+            PYTHON,
+            ROOT / "tools" / "pair_table.py",
+            tmp_path / "out",
+            "--exe",
+            executable(),
+            "--shapes",
+            "file",
+            "--loads",
+            "tension",
+            "--contents",
+            "0.01",
+            "--set",
+            f"points={tmp_path / 'solid.txt'}",
+            "--set",
+            "coarse=2e-4",
+        ],
+        capture_output=True,
+        text=True,
+        timeout=60 * PATIENCE,
+    )
     assert done.returncode == 0, done.stderr
     with open(tmp_path / "out" / "table.csv") as f:
         rows = list(csv.DictReader(f))

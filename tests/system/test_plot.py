@@ -12,9 +12,11 @@ from scenes import launch
 
 ROOT = Path(__file__).parents[2]
 PLOT = ["/usr/bin/python3", ROOT / "tools" / "mpdem_plot.py"]
-HEADER = ("step,time,bond,grain1,grain2,fx1,fy1,fz1,mx1,my1,mz1,fx2,fy2,fz2,mx2,my2,mz2,gap,tension,points,attached,debonded,"
-          "failed,largest_damage,mean_damage,peak_tension,separated,share_grain1,share_grain2,elastic_energy,kinetic_energy,"
-          "coupling_energy,dissipated_energy,released_energy,damped_energy,external_work,energy_imbalance,mode").split(",")
+HEADER = (
+    "step,time,bond,grain1,grain2,fx1,fy1,fz1,mx1,my1,mz1,fx2,fy2,fz2,mx2,my2,mz2,gap,tension,points,attached,debonded,"
+    "failed,largest_damage,mean_damage,peak_tension,separated,share_grain1,share_grain2,elastic_energy,kinetic_energy,"
+    "coupling_energy,dissipated_energy,released_energy,damped_energy,external_work,energy_imbalance,mode"
+).split(",")
 N, EVERY = 41, 100
 # The last 500 steps, over which the plot tool averages, carry nothing where `end` is 0.
 BONDS = {
@@ -41,11 +43,25 @@ def table(tmp_path):
         for row in range(N):
             for number, b in BONDS.items():
                 apart = b["separated"] is not None and row >= b["separated"]
-                out.writerow({"step": EVERY * row, "time": 1e-8 * EVERY * row, "bond": number, "grain1": number, "grain2": number + 1,
-                              "gap": 1e-5 + b["way"] * row / (N - 1), "tension": load(b, row), "fz1": load(b, row), "points": 100,
-                              "attached": 50, "peak_tension": max(0, *(load(b, r) for r in range(row + 1))) if row else 0,
-                              "separated": int(apart), "share_grain1": b["shares"][0] * apart, "share_grain2": b["shares"][1] * apart,
-                              "mode": b["mode"] if apart else "intact"})
+                out.writerow(
+                    {
+                        "step": EVERY * row,
+                        "time": 1e-8 * EVERY * row,
+                        "bond": number,
+                        "grain1": number,
+                        "grain2": number + 1,
+                        "gap": 1e-5 + b["way"] * row / (N - 1),
+                        "tension": load(b, row),
+                        "fz1": load(b, row),
+                        "points": 100,
+                        "attached": 50,
+                        "peak_tension": max(0, *(load(b, r) for r in range(row + 1))) if row else 0,
+                        "separated": int(apart),
+                        "share_grain1": b["shares"][0] * apart,
+                        "share_grain2": b["shares"][1] * apart,
+                        "mode": b["mode"] if apart else "intact",
+                    }
+                )
     return tmp_path
 
 
@@ -70,13 +86,28 @@ def test_state_is_that_of_the_table(table):
             assert float(row["opening_at_separation_m"]) == pytest.approx(b["way"] * b["separated"] / (N - 1))
 
 
-@pytest.mark.parametrize("which, lines", [
-    (1, ["state                        not separated", "load left                    0 % of the peak (lowest mean tension of 500 steps"]),
-    (2, ["state                        separated, mixed: 25 % at the first grain, 50 % at the second, 25 % inside",
-         "displacement at failure      gap opened by 0.75 um (step 3000, the first row in which the bond is separated)"]),
-    (3, ["peak force                   20 N (compression)", "stiffness                    5.714e+09 N/m",
-         "displacement at failure      gap closed by 0.004375 um (step 2500"]),
-    (4, ["displacement at peak         gap closed by 1 um", "load left                    100 % of the peak (lowest mean compression"])])
+@pytest.mark.parametrize(
+    "which, lines",
+    [
+        (1, ["state                        not separated", "load left                    0 % of the peak (lowest mean tension of 500 steps"]),
+        (
+            2,
+            [
+                "state                        separated, mixed: 25 % at the first grain, 50 % at the second, 25 % inside",
+                "displacement at failure      gap opened by 0.75 um (step 3000, the first row in which the bond is separated)",
+            ],
+        ),
+        (
+            3,
+            [
+                "peak force                   20 N (compression)",
+                "stiffness                    5.714e+09 N/m",
+                "displacement at failure      gap closed by 0.004375 um (step 2500",
+            ],
+        ),
+        (4, ["displacement at peak         gap closed by 1 um", "load left                    100 % of the peak (lowest mean compression"]),
+    ],
+)
 def test_words(table, which, lines):
     """Signs are told in words: a gap opens or closes, a load is tension or compression."""
     done, _ = plot(table, "--which", which)
@@ -106,6 +137,7 @@ def test_curve_is_drawn_whole(table, which, monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "tools"))
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     from mpdem import figures, run, summary
+
     bond = run.choose(run.read_bonds(str(table / "bond.csv")), which)
     kept = []
     monkeypatch.setattr(figures, "save", lambda fig, path: kept.append(fig))
@@ -123,8 +155,9 @@ def test_packing(tmp_path, as_installed):
     """The packing of the example in short form, upper layer drawn off or pushed on: summary and table agree bond by bond."""
     script = (ROOT / "examples" / "packing" / "in.packing").read_text()
     for name, speed in (("pulled", "6"), ("pressed", "-6")):
-        result = launch(script, tmp_path / name, name="in.packing",
-                        arguments=["-var", "side", "2", "-var", "steps", "700", "-var", "record", "20", "-var", "speed", speed])
+        result = launch(
+            script, tmp_path / name, name="in.packing", arguments=["-var", "side", "2", "-var", "steps", "700", "-var", "record", "20", "-var", "speed", speed]
+        )
         assert result.status == 0 and not result.errors(), result.output[-3000:]
         with open(tmp_path / name / "bond.csv") as f:
             rows = list(csv.DictReader(f))
@@ -150,10 +183,17 @@ def test_figure_of_a_table(monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "tools"))
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     from mpdem import table, table_figure
+
     of_output = {"record", "chunk", "limit", "frames"}
     assert set(table.VARIABLES) | set(table.OWN) == set(table_figure.WORDS) | of_output
-    told = table_figure.text_of(table.Run("flat", "mixed", 0.05, {"gap": "1e-4", "regularization": "crackband 4", "speed": "0.04",
-                                                                    "rate": "1e7", "ramp": "1e-5", "B0": "9.6e3", "inner": "auto"}))
+    told = table_figure.text_of(
+        table.Run(
+            "flat",
+            "mixed",
+            0.05,
+            {"gap": "1e-4", "regularization": "crackband 4", "speed": "0.04", "rate": "1e7", "ramp": "1e-5", "B0": "9.6e3", "inner": "auto"},
+        )
+    )
     assert told == "crack energy 4 J/m², threshold 9.6 kPa, beads 0.1 mm apart, 40 mm/s, speed reached in 10 µs, 10 N/µs"
     kept = []
     monkeypatch.setattr(table_figure, "save", lambda fig, path: kept.append(fig))
@@ -176,11 +216,17 @@ def test_map_of_modes(tmp_path):
     """One mark a run at its content and strength of the interface; runs without a cohesive interface are left out."""
     sys.path.insert(0, str(ROOT / "tools"))
     from mpdem import mode_map, table_figure
+
     law = "bonding=cohesive:tn:{0:g}:tt:{0:g}:Gn:{1:g}:Gt:{1:g}"
     strengths, contents = (1e6, 4e6, 1e7), (0.01, 0.17, 0.25)
     lines = ["shape,load,content,stress_grain,mode,share_grain1,share_grain2,parameters", "flat,tension,0.01,2e5,mixed,0.5,0,"]
-    lines += [f"flat,{load},{c},1e5,{mode},{share},0.1,{law.format(t, G)}" for load in ("tension", "shear") for c in contents
-              for t, mode, share in zip(strengths, ("debonding", "mixed", "intact"), (0.9, 0.4, 0.0)) for G in (10, 1)]
+    lines += [
+        f"flat,{load},{c},1e5,{mode},{share},0.1,{law.format(t, G)}"
+        for load in ("tension", "shear")
+        for c in contents
+        for t, mode, share in zip(strengths, ("debonding", "mixed", "intact"), (0.9, 0.4, 0.0))
+        for G in (10, 1)
+    ]
     (tmp_path / "table.csv").write_text("\n".join(lines) + "\n")
     rows = table_figure.read(tmp_path / "table.csv")
     assert mode_map.wanted(rows) and not mode_map.wanted(rows[:2])
@@ -202,12 +248,20 @@ def test_map_of_modes(tmp_path):
         mode_map.plt.close(fig)
 
 
-@pytest.mark.parametrize("text", ["shape,load\nflat,tension\n", "", "a,b\n", "a,b\n1,2\n", "shape,load,content,parameters,stress_grain,mode,share_grain1,share_grain2\n",
-                                  "shape,load,content,parameters,stress_grain,mode,share_grain1,share_grain2\nflat,tension\n"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "shape,load\nflat,tension\n",
+        "",
+        "a,b\n",
+        "a,b\n1,2\n",
+        "shape,load,content,parameters,stress_grain,mode,share_grain1,share_grain2\n",
+        "shape,load,content,parameters,stress_grain,mode,share_grain1,share_grain2\nflat,tension\n",
+    ],
+)
 def test_redraw_bad_table(tmp_path, text):
     (tmp_path / "table.csv").write_text(text)
-    done = subprocess.run(["/usr/bin/python3", ROOT / "tools" / "pair_table.py", tmp_path, "--redraw", tmp_path / "table.csv"],
-                          capture_output=True, text=True)
+    done = subprocess.run(["/usr/bin/python3", ROOT / "tools" / "pair_table.py", tmp_path, "--redraw", tmp_path / "table.csv"], capture_output=True, text=True)
     assert done.returncode == 1 and "not a table.csv of pair_table.py" in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
 
 
@@ -215,6 +269,7 @@ def test_residue():
     """Failed points that are still bonded to a grain are its residue; those inside, or debonded, are not."""
     sys.path.insert(0, str(ROOT / "tools"))
     from mpdem.interface import residue
+
     first = {"id": np.array([1, 2, 3, 4]), "c_attached": np.array([1, 1, 1, 0]), "c_grain": np.array([7, 7, 8, 0])}
     events = {"point": np.array([1, 2, 3, 4]), "grain": np.array([0, 7, 0, 0])}
     assert residue(events, first, 7).tolist() == [True, False, False, False]

@@ -11,9 +11,10 @@ from scenes import CALCITE, RADIUS, cement, dump, edit, pair, point_quantities, 
 DT, SPACING, INNER, OUTER = 1e-8, 2e-4, 1.4e-3, 2.2e-3
 COMPONENTS = ["xx", "yy", "zz", "yz", "xz", "xy"]
 INDEX = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
-NAMES = (["damage", "drive", "stress_max", "pressure", "attached", "grain", "failed", "volume", "axis_x", "axis_y", "axis_z", "bond"]
-         + [f"{t}_{c}" for t in ("damage", "stress", "strain") for c in COMPONENTS])
-N = np.array([2.0, 3.0, 6.0]) / 7.0      # no two components of N N are equal
+NAMES = ["damage", "drive", "stress_max", "pressure", "attached", "grain", "failed", "volume", "axis_x", "axis_y", "axis_z", "bond"] + [
+    f"{t}_{c}" for t in ("damage", "stress", "strain") for c in COMPONENTS
+]
+N = np.array([2.0, 3.0, 6.0]) / 7.0  # no two components of N N are equal
 AXIS = np.array([3.0, -2.0, 6.0]) / 7.0
 
 
@@ -111,15 +112,14 @@ def test_damaged(B0, damaged, failed, tmp_path, figures):
     `interface` halves B0 of points with a link."""
     E, e, cutoff = 50e9, 2e-3 / 1.001, 0.95
     F = np.eye(3) + 2e-3 * np.outer(N, N)
-    _, p = moved(F, tmp_path, elastic=(E, E, 0.0, 0.0, E / 2), axis="global 0 0 1",
-                 damage=f"damage tensor B0 {B0} cutoff {cutoff} interface 0.5")
+    _, p = moved(F, tmp_path, elastic=(E, E, 0.0, 0.0, E / 2), axis="global 0 0 1", damage=f"damage tensor B0 {B0} cutoff {cutoff} interface 0.5")
     linked = p["c_attached"] > 0
     threshold = B0 * np.where(linked, 0.5, 1.0)
     d = np.clip(1 - np.sqrt(2) * threshold / (E * e**2), 0.0, cutoff)
     broken = d == cutoff
     for k, of in ((0, ~linked), (1, linked)):
         assert ((d[of] > 0) == damaged[k]).all() and (broken[of] == failed[k]).all(), "not the case that it is meant to be"
-    sigma = np.where(broken, 0.0, (1 - d)**2 * E * e)
+    sigma = np.where(broken, 0.0, (1 - d) ** 2 * E * e)
     NN, size = components(np.outer(N, N)), E * e
     drive = np.where(broken, 0.0, np.where(d > 0, 1.0, E * e**2 / np.sqrt(2) / threshold))
     what = f"B0 {B0:g}"
@@ -140,7 +140,7 @@ def test_what_does_not_deform(tmp_path, figures):
     at = np.column_stack([p[c] for c in "xyz"])
     bond = np.where(at[:, 2] < RADIUS, 1, 2)
     assert (p["c_bond"] == bond).all() and set(bond) == {1, 2}
-    exact = 2 * np.pi * RADIUS * (OUTER**2 - INNER**2) - 4 / 3 * np.pi * ((RADIUS**2 - INNER**2)**1.5 - (RADIUS**2 - OUTER**2)**1.5)
+    exact = 2 * np.pi * RADIUS * (OUTER**2 - INNER**2) - 4 / 3 * np.pi * ((RADIUS**2 - INNER**2) ** 1.5 - (RADIUS**2 - OUTER**2) ** 1.5)
     for b in (1, 2):
         figures.below(f"volume of bond {b}: error", abs(p["c_volume"][bond == b].sum() / exact - 1), 5e-13)
     assert p["c_volume"].std() > 0.1 * SPACING**3

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from scenes import RADIUS, NEIGHBOURS, cement, edit, launch, pair, pull, run, shift, thermo
+from scenes import RADIUS, cement, edit, launch, pair, pull, run, shift, thermo
 
 SPACING, CELL = 1e-4, 2e-4
 MADE = f"create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 film grid spacing {SPACING:.15g}\n"
@@ -25,8 +25,7 @@ def read(path):
 def write(path, columns):
     path.parent.mkdir(exist_ok=True)
     rows = np.column_stack(list(columns.values()))
-    path.write_text("# a comment\n\n" + " ".join(columns) + "  # names\n"
-                    + "".join(" ".join(f"{v:.17g}" for v in row) + "\n" for row in rows))
+    path.write_text("# a comment\n\n" + " ".join(columns) + "  # names\n" + "".join(" ".join(f"{v:.17g}" for v in row) + "\n" for row in rows))
 
 
 def only(columns, *groups):
@@ -62,7 +61,7 @@ def test_round_trip_of_a_skew_bond(tmp_path, figures):
     n, box = (1, 2, 3), 3 * (12.5e-3,)
     made = pair(SPACING, direction=n, half_box=box)
     body = cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + pull(8.0, 2e-6, n) + thermo(10, ["f_bond", "f_cem[8]", "f_bond[17]"])
-    kept = made[:made.index("create_cement")] + f"create_cement calcite pair 1 2 file ../whole.txt spacing {SPACING:.15g}\n"
+    kept = made[: made.index("create_cement")] + f"create_cement calcite pair 1 2 file ../whole.txt spacing {SPACING:.15g}\n"
     one = run(made + "write_cement ../whole.txt\n" + body + "run 700\nwrite_cement ../cracked.txt\n", tmp_path / "made").table()
     assert one["f_bond[17]"][-1] > 100
     two = run(kept + body + "run 700\n", tmp_path / "read").table()
@@ -97,10 +96,12 @@ def test_round_trip_of_a_skew_bond(tmp_path, figures):
 
 def test_round_trip_of_a_broken_bond(tmp_path, figures):
     """Damage, axes, failed points and debonded links survive, though a grain has moved."""
-    script = (pair(SPACING) + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + PULL + "run 700\n"
-              "write_cement cement.txt\n"
-              'variable q1 equal x[1]\nvariable q2 equal z[1]\nvariable q3 equal x[2]\nvariable q4 equal z[2]\n'
-              'print "GRAINS ${q1} ${q2} ${q3} ${q4}"\n')
+    script = (
+        pair(SPACING) + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + PULL + "run 700\n"
+        "write_cement cement.txt\n"
+        "variable q1 equal x[1]\nvariable q2 equal z[1]\nvariable q3 equal x[2]\nvariable q4 equal z[2]\n"
+        'print "GRAINS ${q1} ${q2} ${q3} ${q4}"\n'
+    )
     first = run(script, tmp_path / "first")
     a = read(tmp_path / "first" / "cement.txt")
     assert a["failed"].sum() > 100 and (a["area_i"] > 0).sum() > (a["attached_i"] > 0).sum() > 0
@@ -110,8 +111,7 @@ def test_round_trip_of_a_broken_bond(tmp_path, figures):
     centres = f"{where[0]:.17g} 0 {where[1]:.17g}", f"{where[2]:.17g} 0 {where[3]:.17g}"
     text = from_file("../first/cement.txt")
     text = edit(edit(text, f"0 0 {-RADIUS:.15g}", centres[0]), f"0 0 {RADIUS:.15g}", centres[1])
-    run(text + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + "fix move grains nve/sphere\nrun 0\nwrite_cement again.txt\n",
-        tmp_path / "second")
+    run(text + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + "fix move grains nve/sphere\nrun 0\nwrite_cement again.txt\n", tmp_path / "second")
     b = read(tmp_path / "second" / "again.txt")
     for n in a:
         scale = np.abs(a[n]).max() if n.startswith("foot") or n in "xyz" else max(np.abs(a[n]).max(), 1e-300)
@@ -120,6 +120,7 @@ def test_round_trip_of_a_broken_bond(tmp_path, figures):
 
 def test_attached_points_are_found(ring, tmp_path, figures):
     """Positions and volumes alone: areas within 2 %, stiffness within 3 % of the cement made by shape."""
+
     def stiffness(script, directory):
         script += cement(CELL, 1e-8) + shift(1e-8, 8e-6) + "run 800\n" + thermo(4, ["f_bond"]) + "run 400\n"
         done = run(script, directory)
@@ -145,8 +146,14 @@ def test_principal_damage_is_the_tensor(ring, tmp_path):
     for k, v in values.items():
         column[k] = np.full(n, v)
     c, s = np.cos(t), np.sin(t)
-    exact = {"damage_xx": .5 * c * c + .2 * s * s, "damage_yy": .5 * s * s + .2 * c * c, "damage_zz": 0.1, "damage_xy": 0.3 * s * c,
-             "damage_yz": 0.0, "damage_xz": 0.0}
+    exact = {
+        "damage_xx": 0.5 * c * c + 0.2 * s * s,
+        "damage_yy": 0.5 * s * s + 0.2 * c * c,
+        "damage_zz": 0.1,
+        "damage_xy": 0.3 * s * c,
+        "damage_yz": 0.0,
+        "damage_xz": 0.0,
+    }
     for axes in (False, True):
         if axes:
             column.update(ax=np.full(n, 0.6), ay=np.zeros(n), az=np.full(n, 0.8))
@@ -187,7 +194,9 @@ def test_failed_points_without_damage(ring, tmp_path, unilateral, damage, warned
     column["failed"] = (abs(ring["z"]) < SPACING).astype(float)
     column["dzz"] = damage * column["failed"]
     write(tmp_path / "cement.txt", column)
-    done = run(from_file() + cement(CELL, 5e-9, axis="radial", damage=f"{DAMAGE} unilateral {unilateral}") + shift(1e-9, 1e-6) + "run 1\nrun 1\n", tmp_path, ranks)
+    done = run(
+        from_file() + cement(CELL, 5e-9, axis="radial", damage=f"{DAMAGE} unilateral {unilateral}") + shift(1e-9, 1e-6) + "run 1\nrun 1\n", tmp_path, ranks
+    )
     told = [line for line in done.output.splitlines() if "never close" in line]
     assert len(told) == warned, done.output[-2000:]
     if warned:
@@ -200,8 +209,7 @@ def test_mode_of_a_constructed_crack(ring, tmp_path, figures, crack):
     column = dict(ring)
     column["failed"] = where(ring).astype(float)
     write(tmp_path / "cement.txt", column)
-    done = run(from_file() + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + shift(1e-9, 1e-6) + thermo(1, ["f_cem[2]"])
-               + "run 200\n", tmp_path)
+    done = run(from_file() + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + shift(1e-9, 1e-6) + thermo(1, ["f_cem[2]"]) + "run 200\n", tmp_path)
     lines = [x for x in done.output.splitlines() if "of grains 1 and 2: " in x]
     assert (done.table()["f_cem[2]"] == column["failed"].sum()).all()
     if mode is None:
@@ -212,8 +220,12 @@ def test_mode_of_a_constructed_crack(ring, tmp_path, figures, crack):
         shares = [float(w) for w in re.findall(r"(\S+) % ", lines[-1])]
         figures.note(f"{crack}: per cent at the first grain, the second, inside", shares)
         assert sum(shares) == pytest.approx(100, abs=0.01)
-        expected = {"internal plane": (0, 0, 100), "debonding at the first grain": (100, 0, 0),
-                    "debonding at the second grain": (0, 100, 0), "half and half": (0, 50, 50)}[crack]
+        expected = {
+            "internal plane": (0, 0, 100),
+            "debonding at the first grain": (100, 0, 0),
+            "debonding at the second grain": (0, 100, 0),
+            "half and half": (0, 50, 50),
+        }[crack]
         assert shares == pytest.approx(expected, abs=10)
 
 
@@ -238,7 +250,10 @@ BAD = {
     "unknown column": (f"{HEAD} mass\n{ROW} 1\n", ["line 1", "mass", "known are", "volume"]),
     "commas": ("x,y,z,volume\n0,0,0,1\n", ["line 1", "'x,y,z,volume' has commas", "blanks"]),
     "a mark of the order of bytes": (f"\ufeff{HEAD} mass\n{ROW} 1\n", ["line 1", "unknown column 'mass'"]),
-    "areas that are all zero": (f"{HEAD} area_i area_j\n{ROW} 0 1e-8\n", ["nothing is attached to grain 1", "column 'area_i' is 0 in all lines", "leave 'area_i area_j' out"]),
+    "areas that are all zero": (
+        f"{HEAD} area_i area_j\n{ROW} 0 1e-8\n",
+        ["nothing is attached to grain 1", "column 'area_i' is 0 in all lines", "leave 'area_i area_j' out"],
+    ),
     "column twice": (f"{HEAD} x\n{ROW} 1\n", ["line 1", "'x'", "twice"]),
     "column missing": ("x y volume\n0 0 1\n", ["line 1", "'z'", "missing"]),
     "half an axis": (f"{HEAD} ax ay\n{ROW} 1 0\n", ["line 1", "'az'", "missing"]),
@@ -246,15 +261,20 @@ BAD = {
     "failed": (f"{HEAD} failed\n{ROW} 2\n", ["line 2", "'failed'", "0 or 1"]),
     **{f"grain {g}": (f"{HEAD} grain_i grain_j\n{ROW} 1 2\n{ROW} {g} 2\n", ["line 3", "'grain_i' is", f"{g}", "whole number"]) for g in ("1.5", "-1", "0")},
     "both grains one": (f"{HEAD} grain_i grain_j\n{ROW} 1 2\n{ROW} 2 2\n", ["line 3", "both 2", "different"]),
-    "grain that does not exist": (f"{HEAD} area_i area_j grain_i grain_j\n{ROW} 1e-8 1e-8 1 2\n{ROW} 1e-8 1e-8 7 2\n{ROW} 1e-8 1e-8 2 7\n",
-                                  ["line 3", "grain 7 does not exist", "leave its lines out"]),
+    "grain that does not exist": (
+        f"{HEAD} area_i area_j grain_i grain_j\n{ROW} 1e-8 1e-8 1 2\n{ROW} 1e-8 1e-8 7 2\n{ROW} 1e-8 1e-8 2 7\n",
+        ["line 3", "grain 7 does not exist", "leave its lines out"],
+    ),
     "area far too large": (f"{HEAD} area_i area_j\n{ROW} 9.9 1e-8\n", ["line 2", "area 9.9 at grain 1", "units"]),
-    "more than the surface": (f"{HEAD} area_i area_j\n" + "".join(f"{1e-4 * i:.6g} {1e-4 * j:.6g} -0.00005 1e-12 6e-7 1e-8\n"
-                                                                    for i in range(-12, 13) for j in range(-12, 13)),
-                              ["attached area at grain 1", "0.000375", "more than its surface", "0.000314", "units"]),
+    "more than the surface": (
+        f"{HEAD} area_i area_j\n" + "".join(f"{1e-4 * i:.6g} {1e-4 * j:.6g} -0.00005 1e-12 6e-7 1e-8\n" for i in range(-12, 13) for j in range(-12, 13)),
+        ["attached area at grain 1", "0.000375", "more than its surface", "0.000314", "units"],
+    ),
     "volume far too large": (f"{HEAD}\n{ROW}\n0.0011 0 0.00005 1e-3\n", ["line 3", "volume 0.001", "1000000000 times a cell", "units"]),
-    "foot off the grain": (f"{HEAD} area_i area_j foot_ix foot_iy foot_iz foot_jx foot_jy foot_jz\n{ROW} 1e-8 1e-8 0.001 0 0 0.001 0 0\n",
-                           ["line 2", "foot point", "off the surface", "grain 1"]),
+    "foot off the grain": (
+        f"{HEAD} area_i area_j foot_ix foot_iy foot_iz foot_jx foot_jy foot_jz\n{ROW} 1e-8 1e-8 0.001 0 0 0.001 0 0\n",
+        ["line 2", "foot point", "off the surface", "grain 1"],
+    ),
 }
 
 
@@ -318,8 +338,13 @@ def test_overlapping_cement(tmp_path, second):
     text = pair(SPACING, half_box=(16e-3, 6e-3, 16e-3))
     text = edit(text, "set          type 1", f"create_atoms 1 single {1.9696 * RADIUS:.15g} 0 {1.3473 * RADIUS:.15g} units box\nset          type 1")
     coat = "shape coating thickness 4e-4 cap 60" if "coating" in second else "shape flat inner 1e-3 outer 2e-3"
-    text = edit(text, MADE, f"create_cement calcite pair 1 2 {coat} spacing 2e-4\ncreate_cement calcite pair 2 3 {second} spacing 2e-4\n"
-                if "coating" in second else MADE + f"create_cement calcite pair 2 3 {coat} spacing 1e-4\n")
+    text = edit(
+        text,
+        MADE,
+        f"create_cement calcite pair 1 2 {coat} spacing 2e-4\ncreate_cement calcite pair 2 3 {second} spacing 2e-4\n"
+        if "coating" in second
+        else MADE + f"create_cement calcite pair 2 3 {coat} spacing 1e-4\n",
+    )
     for ranks in (1, 2):
         result = launch(text, tmp_path, ranks)
         if "coating" in second:

@@ -9,7 +9,11 @@ from scenes import CALCITE, CONTACT, NEIGHBOURS, cement, edit, host, pair, pull,
 
 G = 9.81
 HEIGHT, MOVED, LOOSE = 3, (9, 10, 11, 12), (13, 14, 15)
-DASHPOTS = edit(edit(CONTACT, "gamman peratomtypepair 2 0 0 0 0", "gamman peratomtypepair 2 5e6 5e6 5e6 5e6"), "gammat peratomtypepair 2 0 0 0 0", "gammat peratomtypepair 2 1e6 1e6 1e6 1e6")
+DASHPOTS = edit(
+    edit(CONTACT, "gamman peratomtypepair 2 0 0 0 0", "gamman peratomtypepair 2 5e6 5e6 5e6 5e6"),
+    "gammat peratomtypepair 2 0 0 0 0",
+    "gammat peratomtypepair 2 1e6 1e6 1e6 1e6",
+)
 TOLD = """\
 compute      pairs grains pair/gran/local id force
 compute      walls grains wall/gran/local id force
@@ -33,13 +37,17 @@ def scene(words="", contact=CONTACT, told=TOLD, directory=None, damage=""):
         text += f"create_atoms 1 single {x:.17g} {y:.17g} {z:.17g} units box\n"
     text += "set type 1 diameter 0.01 density 2500\ngroup grains type 1\ngroup bonded id 1:12\n" + NEIGHBOURS
     text += "create_cement calcite contacts bonded gap 1e-6 shape flat inner 1.4e-3 outer 2e-3 spacing 2.5e-4\n" + contact
-    (directory / "wall.stl").write_text("solid wall\nfacet normal 1 0 0\nouter loop\nvertex 0 -0.0115 -0.005\nvertex 0 0.0115 -0.005\nvertex 0 0 0.028\nendloop\nendfacet\nendsolid wall\n")
+    (directory / "wall.stl").write_text(
+        "solid wall\nfacet normal 1 0 0\nouter loop\nvertex 0 -0.0115 -0.005\nvertex 0 0.0115 -0.005\nvertex 0 0 0.028\nendloop\nendfacet\nendsolid wall\n"
+    )
     text += "fix wall all mesh/surface file wall.stl type 1 move -0.009999 0 0\nfix touch grains wall/gran model hertz/stiffness tangential history mesh n_meshes 1 meshes wall\n"
     text += f"fix weight all gravity {G} vector 0.6 0 -0.8\n"
     text += edit(cement(5e-4, 2e-8, CALCITE, "radial", damage, "csv 20 bond.csv"), "mpm cell", f"mpm {words} cell")
     text = text.replace("group        first id 1\ngroup        second id 2\n", "group low id 1:4\ngroup high id 9:12\ngroup free subtract grains low high\n")
-    text += ("variable t equal step*dt\nvariable d equal 1e-4*v_t*v_t/4e-5\nvariable v equal 2e-4*v_t/4e-5\nfix hold low move linear 0 0 0\n"
-             "fix go high move variable v_d NULL v_d v_v NULL v_v\nfix motion free nve/sphere\n")
+    text += (
+        "variable t equal step*dt\nvariable d equal 1e-4*v_t*v_t/4e-5\nvariable v equal 2e-4*v_t/4e-5\nfix hold low move linear 0 0 0\n"
+        "fix go high move variable v_d NULL v_d v_v NULL v_v\nfix motion free nve/sphere\n"
+    )
     return text + told + thermo(20, ["f_cem[5]", "f_cem[11]", "f_cem[33]", "f_cem[34]", "f_bond[39]", "f_bond[40]"])
 
 
@@ -116,7 +124,11 @@ def test_values(words, scale, tmp_path, figures):
             rows = [r for r in csv.DictReader(f) if r["bond"] == "1"]
         assert max(abs(float(r["unbalanced_force"]) / u - 1) for r, u in zip(rows, t["f_cem[34]"])) < 1e-9
     for name in ("f_cem[33]", "f_cem[34]"):
-        figures.below(f"{words or 'plain'}: {name} on two ranks against one, over the largest", abs(tables[2][name] - tables[1][name]).max() / tables[1][name].max(), 1e-13)
+        figures.below(
+            f"{words or 'plain'}: {name} on two ranks against one, over the largest",
+            abs(tables[2][name] - tables[1][name]).max() / tables[1][name].max(),
+            1e-13,
+        )
 
 
 def test_ranks_with_dashpots(tmp_path, figures):
@@ -134,8 +146,12 @@ def test_asking_changes_nothing(tmp_path):
     for number, (told, every) in enumerate(((TOLD, 20), (TOLD.replace(" 20 ", " 200 "), 200), ("", 200))):
         folder = tmp_path / str(number)
         folder.mkdir()
-        script = scene(contact=DASHPOTS, told=told, directory=folder).replace("csv 20 bond.csv", f"csv {every} bond.csv").replace("\nthermo 20\n", f"\nthermo {every}\n")
-        end = "dump end grains custom 200 end.*.txt id x y z vx vy vz fx fy fz\ndump_modify end format \"%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\"\n"
+        script = (
+            scene(contact=DASHPOTS, told=told, directory=folder)
+            .replace("csv 20 bond.csv", f"csv {every} bond.csv")
+            .replace("\nthermo 20\n", f"\nthermo {every}\n")
+        )
+        end = 'dump end grains custom 200 end.*.txt id x y z vx vy vz fx fy fz\ndump_modify end format "%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g"\n'
         run(script + end + "run 200\n", folder)
         ends.append((folder / "end.200.txt").read_text())
         if told:
@@ -155,13 +171,17 @@ def test_between_runs_and_after_a_restart(tmp_path, figures):
         for name, value in zip(("f_cem[33]", "f_cem[34]"), values):
             figures.below(f"{name} between runs against that of the last row, over it", abs(value / t[name][row] - 1), 1e-6)
     script = scene(told="", directory=directory)
-    script = restarted("half") + script[script.index("fix          c1"):]
+    script = restarted("half") + script[script.index("fix          c1") :]
     for line in script.splitlines(True):
         if line.startswith("group"):
             script = script.replace(line, "")
     again = run(script + "run 100\n", directory, name="in.again").table()
     for name in ("f_cem[33]", "f_cem[34]"):
-        figures.below(f"{name} of a run from a restart file against that of the run as a whole, over it", abs(again[name][1:] / t[name][-len(again[name]) + 1:] - 1).max(), 1e-12)
+        figures.below(
+            f"{name} of a run from a restart file against that of the run as a whole, over it",
+            abs(again[name][1:] / t[name][-len(again[name]) + 1 :] - 1).max(),
+            1e-12,
+        )
 
 
 CELL = 4e-4
@@ -171,8 +191,13 @@ TENTH = 0.1  # share of the energy that damage has dissipated when a pair counts
 
 def pulled(words, motion, steps, couple="kn auto kt auto"):
     """A pair that is pulled; its peak load is at some 3e-7 m."""
-    return (pair(CELL / 2) + edit(cement(CELL, 1e-8, CALCITE, "radial", "damage tensor B0 9.6e3 cutoff 0.9", couple), "mpm cell", f"mpm {words} cell") + motion
-            + thermo(100, ["f_cem[2]", "f_cem[8]", "f_cem[11]", "f_cem[33]", "f_bond[17]"]) + f"run {steps}\n")
+    return (
+        pair(CELL / 2)
+        + edit(cement(CELL, 1e-8, CALCITE, "radial", "damage tensor B0 9.6e3 cutoff 0.9", couple), "mpm cell", f"mpm {words} cell")
+        + motion
+        + thermo(100, ["f_cem[2]", "f_cem[8]", "f_cem[11]", "f_cem[33]", "f_bond[17]"])
+        + f"run {steps}\n"
+    )
 
 
 def told(result):
@@ -192,20 +217,24 @@ def test_fast_load_warns_once(tmp_path, figures):
     """The warning has the share at the last check before the cement began to break, the limit and the cure, and comes once in three runs, on any number of ranks."""
     for ranks in (1, 2):
         result = run(pulled("", FAST, 200) + 2 * "run 100\n", tmp_path / str(ranks), ranks)
-        line, = told(result)
+        (line,) = told(result)
         for words in ("fix mpm (id cem)", "more than 0.003 ('kinetic_share')", "not quasi-static", "times as slowly", "'kinetic_share no'"):
             assert words in line
         assert "'quasistatic" not in line
-        step, share, factor = (float(re.search(pattern, line)[1]) for pattern in (r"after step (\d+) ", r"energy of ([-+.\de]+),", r"grains ([-+.\de]+) times as slowly"))
+        step, share, factor = (
+            float(re.search(pattern, line)[1]) for pattern in (r"after step (\d+) ", r"energy of ([-+.\de]+),", r"grains ([-+.\de]+) times as slowly")
+        )
         wanted, at = share_before_it_broke(result)
         assert step == at
         figures.below(f"{ranks} ranks: share of the warning against that of the row, over it", abs(share / wanted - 1), 1e-5)
         figures.below(f"{ranks} ranks: square of how much slower, times the limit, against the share", abs(3e-3 * factor**2 / share - 1), 1e-4)
 
 
-@pytest.mark.parametrize("words, motion, steps, number",
-                         [("", SLOW, 4500, 0), ("kinetic_share 1e-5", SLOW, 4500, 1), ("kinetic_share no", FAST, 300, 0), ("kinetic_share 1", FAST, 300, 0)],
-                         ids=["slow", "slow, lower limit", "fast, none", "fast, highest limit"])
+@pytest.mark.parametrize(
+    "words, motion, steps, number",
+    [("", SLOW, 4500, 0), ("kinetic_share 1e-5", SLOW, 4500, 1), ("kinetic_share no", FAST, 300, 0), ("kinetic_share 1", FAST, 300, 0)],
+    ids=["slow", "slow, lower limit", "fast, none", "fast, highest limit"],
+)
 def test_limit(words, motion, steps, number, tmp_path):
     """A slow load has no warning but with a lower limit, though the share is larger once points fail. A fast one has none where the script says so."""
     result = run(pulled(words, motion, steps), tmp_path)
@@ -217,7 +246,7 @@ def test_limit(words, motion, steps, number, tmp_path):
 
 def test_scaled_inertia_counts(tmp_path):
     """Inertia that is scaled makes a slow load as fast as one of so much more speed. The warning names a scale that would do, and it does."""
-    line, = told(run(pulled("quasistatic 2500 0", SLOW, 4500), tmp_path))
+    (line,) = told(run(pulled("quasistatic 2500 0", SLOW, 4500), tmp_path))
     scale = float(re.search(r"or 'quasistatic ([-+.\de]+)' or less in the place of 2500", line)[1])
     assert 1 < scale < 2500
     assert not told(run(pulled(f"quasistatic {0.8 * scale:.6g} 0", SLOW, 4500), tmp_path))
@@ -252,7 +281,10 @@ fix          pull2 fourth move variable NULL NULL v_along2 NULL NULL v_speed2
 def test_what_breaks_after_a_rest(tmp_path):
     """After a bond broke slowly, what breaks next is judged once all was at rest between, and not before."""
     text = pulled("quasistatic 1 0.5 check 10", SLOW, 4500)
-    second = text.replace("create_atoms 1 single 0 0 0.005 units box\n", "create_atoms 1 single 0 0 0.005 units box\ncreate_atoms 1 single 0.02 0 -0.005 units box\ncreate_atoms 1 single 0.02 0 0.005 units box\n")
+    second = text.replace(
+        "create_atoms 1 single 0 0 0.005 units box\n",
+        "create_atoms 1 single 0 0 0.005 units box\ncreate_atoms 1 single 0.02 0 -0.005 units box\ncreate_atoms 1 single 0.02 0 0.005 units box\n",
+    )
     create = re.search(r"create_cement .*\n", second)[0]
     second = edit(edit(second, create, create + create.replace("pair 1 2", "pair 3 4")), "block -0.006 0.006", "block -0.006 0.026")
     group = "group        third id 3\ngroup        fourth id 4\nfix          hold2 third move linear 0 0 0\nfix          rest2 fourth move linear 0 0 0\n"
@@ -263,5 +295,5 @@ def test_what_breaks_after_a_rest(tmp_path):
     t = result.table()
     before = t["f_cem[33]"][t["step"] <= 4500]
     assert before[1:].max() > 30 * share_before_it_broke(result)[0] and t["f_cem[33]"][t["step"] == 6000][0] < 3e-4
-    line, = told(result)
+    (line,) = told(result)
     assert float(re.search(r"after step (\d+) ", line)[1]) > 6000

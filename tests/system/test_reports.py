@@ -17,7 +17,9 @@ def test_where_time_goes(ranks, tmp_path):
     out = run(SCENE + "run 200\n", tmp_path, ranks).output
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     number = r"([0-9.e+-]+)"
-    found = re.search(rf"^fix mpm \(id cem\): {number} s in 200 steps, {number} point steps per second, {number} by CPU time, {number} bytes a point\n  (.*)$", out, re.M)
+    found = re.search(
+        rf"^fix mpm \(id cem\): {number} s in 200 steps, {number} point steps per second, {number} by CPU time, {number} bytes a point\n  (.*)$", out, re.M
+    )
     assert found, out[-2000:]
     seconds, rate, by_cpu, size = (float(found[i]) for i in (1, 2, 3, 4))
     points = int(re.search(r"fix mpm \(id cem\): (\d+) material points", out)[1])
@@ -36,10 +38,19 @@ def test_where_time_goes(ranks, tmp_path):
         assert sum(share) > 99.5
 
 
-@pytest.mark.parametrize("damage, couple, line", [
-    ("damage tensor B0 9.6e6", "", "cement that debonded goes through its grain, and faces of cracks through each other; 'friction' of fix mpm/couple makes them touch"),
-    ("damage tensor B0 9.6e6 unilateral yes", "", "cement that debonded goes through its grain; 'friction' of fix mpm/couple makes them touch"),
-    ("damage tensor B0 9.6e6", " friction 0.3", None), ("", "", None)])
+@pytest.mark.parametrize(
+    "damage, couple, line",
+    [
+        (
+            "damage tensor B0 9.6e6",
+            "",
+            "cement that debonded goes through its grain, and faces of cracks through each other; 'friction' of fix mpm/couple makes them touch",
+        ),
+        ("damage tensor B0 9.6e6 unilateral yes", "", "cement that debonded goes through its grain; 'friction' of fix mpm/couple makes them touch"),
+        ("damage tensor B0 9.6e6", " friction 0.3", None),
+        ("", "", None),
+    ],
+)
 def test_what_has_no_contact(damage, couple, line, tmp_path):
     """Said once, where fix mpm prints what the parameters imply."""
     scene = pair(2e-4, cement="inner 1.4e-3 outer 2.2e-3") + cement(4e-4, 1e-8, damage=damage, couple="kn auto kt auto" + couple)

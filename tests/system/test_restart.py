@@ -5,7 +5,7 @@ import shutil
 import pytest
 from scenes import cement, dump, edit, hosted, launch, pair, point_quantities, restarted, run, thermo
 
-BEFORE, AFTER = 550, 100   # steps; damage and failure have begun at the restart
+BEFORE, AFTER = 550, 100  # steps; damage and failure have begun at the restart
 VECTORS = [[f"{v}{c}" for c in "xyz"] for v in ("", "v", "omega", "f")]
 QUANTITIES = ["damage", "failed", "attached", "stress_zz", "stress_xy", "strain_yy", "axis_x"]
 COLUMNS = sum(VECTORS, []) + [f"c_{q}" for q in QUANTITIES]
@@ -37,6 +37,7 @@ def first(tmp_path_factory):
             middle = results[ranks].points(BEFORE)
             assert middle["c_failed"].sum() > 10 and (middle["c_damage"] > 0).sum() > 100
         return results[ranks]
+
     return get
 
 
@@ -81,17 +82,26 @@ def test_written_during_a_run(tmp_path, figures):
         again = edit(again, f"run {AFTER}\n", "run 30\n")
         tail = run(again, tmp_path, 2, name=f"in.{file}").table()
         assert tail["step"][0] == step
-        force = whole.table()["f_bond"][step // 10:][:len(tail["f_bond"])]
-        figures.below(f"restart written at step {step} of a run: bond force of the next 30 steps, over the peak",
-                      abs(force - tail["f_bond"]).max() / peak, 2e-15)
+        force = whole.table()["f_bond"][step // 10 :][: len(tail["f_bond"])]
+        figures.below(
+            f"restart written at step {step} of a run: bond force of the next 30 steps, over the peak", abs(force - tail["f_bond"]).max() / peak, 2e-15
+        )
 
 
 def test_events_before_the_file_are_in_the_log(tmp_path):
     """A run that dies between two checks, after it wrote a restart file, leaves the log complete up to that file."""
+
     def go_on(death):
         fixes = edit(FIXES, "cutoff 0.9", "cutoff 0.9 check 100000 events events.csv")
-        return (pair(1e-4, gap=2e-4) + fixes + LEAVING + MOVING + f"variable trap equal 1/({death}-step)\n"
-                + thermo(5, ["v_trap"]) + "restart 575 r.*.bin\nrun 650\n")
+        return (
+            pair(1e-4, gap=2e-4)
+            + fixes
+            + LEAVING
+            + MOVING
+            + f"variable trap equal 1/({death}-step)\n"
+            + thermo(5, ["v_trap"])
+            + "restart 575 r.*.bin\nrun 650\n"
+        )
 
     whole = run(go_on(1000), tmp_path / "whole")
     rows = [line for line in (whole.directory / "events.csv").read_text().splitlines()[1:] if int(line.split(",")[0]) <= 575]
@@ -107,13 +117,21 @@ def test_table_goes_on_bitwise(tmp_path, ranks):
     a run that went on, with a fix after fix mpm too."""
     scene = FIXES + "fix g grains nve/sphere\n"
     push = "fix push second addforce 0 0 -5\n"
-    whole = run(pair(1e-4, gap=2e-4) + edit(scene, "couple cem", "couple cem csv 10 bond.csv") + "velocity second set 0.03 0.02 1\n" + push
-                + "run 100\nwrite_restart r.bin\nrun 100\n", tmp_path / "whole", ranks)
+    whole = run(
+        pair(1e-4, gap=2e-4)
+        + edit(scene, "couple cem", "couple cem csv 10 bond.csv")
+        + "velocity second set 0.03 0.02 1\n"
+        + push
+        + "run 100\nwrite_restart r.bin\nrun 100\n",
+        tmp_path / "whole",
+        ranks,
+    )
     expected = (whole.directory / "bond.csv").read_text()
     first = "".join(line for line in expected.splitlines(True) if not line[0].isdigit() or int(line.split(",")[0]) <= 100)
     (tmp_path / "part").mkdir()
     (tmp_path / "part" / "bond.csv").write_text(first)
     part = run(restarted("../whole/r.bin") + edit(scene, "couple cem", "couple cem csv 10 bond.csv") + push + "run 100\n", tmp_path / "part", ranks)
+
     def cut(text):  # the imbalance, in which sums of ranks come in another order
         rows = [line.split(",") for line in text.splitlines()]
         at = rows[0].index("energy_imbalance")
@@ -128,24 +146,43 @@ def test_peak_goes_on_whoever_asks(tmp_path):
     """The largest tension of a bond, in the file and when a script reads it before the run goes on."""
     look = 'variable peak equal f_bond[21]\nprint "peak ${peak}"\n'
     turn = "run 200\nunfix pull\nfix pull second move linear 0 0 -20\nrun 100\n"
-    first = run(pair(1e-4) + cement(2e-4, 1e-8) + "fix hold first move linear 0 0 0\nfix pull second move linear 0 0 0.02\n"
-                + thermo(100, ["f_bond[14]", "f_bond[21]"]) + turn + "write_restart r.bin\n" + look, tmp_path)
+    first = run(
+        pair(1e-4)
+        + cement(2e-4, 1e-8)
+        + "fix hold first move linear 0 0 0\nfix pull second move linear 0 0 0.02\n"
+        + thermo(100, ["f_bond[14]", "f_bond[21]"])
+        + turn
+        + "write_restart r.bin\n"
+        + look,
+        tmp_path,
+    )
     t = first.table()
     assert t["f_bond[14]"][-1] < 0.5 * first.value("peak")
-    again = run(restarted("r.bin") + cement(2e-4, 1e-8) + "fix hold first move linear 0 0 0\nfix pull second move linear 0 0 -20\n"
-                + look + thermo(1, ["f_bond[14]", "f_bond[21]"]) + "run 1\n", tmp_path)
+    again = run(
+        restarted("r.bin")
+        + cement(2e-4, 1e-8)
+        + "fix hold first move linear 0 0 0\nfix pull second move linear 0 0 -20\n"
+        + look
+        + thermo(1, ["f_bond[14]", "f_bond[21]"])
+        + "run 1\n",
+        tmp_path,
+    )
     assert again.value("peak") == first.value("peak")
     assert (again.table()["f_bond[21]"] == t["f_bond[21]"][-1]).all()
 
 
-@pytest.mark.parametrize("changes, needed", [
-    ([("cell 0.0002", "cell 0.00025")], ["fix mpm (id cem)", "cell 0.00025", "0.0002", "use"]),
-    ([("cell 0.0002", "cell 0.0002 basis cubic")], ["fix mpm (id cem)", "basis cubic", "basis quadratic"]),
-    ([("cell 0.0002", "cell 0.0002 kinematics updated")], ["fix mpm (id cem)", "kinematics updated", "kinematics total"]),
-    ([("cell 0.0002", "cell 0.0002 edge free")], ["fix mpm (id cem)", "'edge free'", "restart file was written with 'edge tied'"]),
-    ([("axis radial", "axis bond")], ["fix mpm (id cem)", "'axis bond'", "by 'axis radial'"]),
-    ([("fix          cem", "fix          glue"), ("couple cem", "couple glue")], ["fix mpm (id glue)", "in motion", "ID"]),
-], ids=["other cell", "other basis", "other kinematics", "other edge", "other axis", "other ID"])
+@pytest.mark.parametrize(
+    "changes, needed",
+    [
+        ([("cell 0.0002", "cell 0.00025")], ["fix mpm (id cem)", "cell 0.00025", "0.0002", "use"]),
+        ([("cell 0.0002", "cell 0.0002 basis cubic")], ["fix mpm (id cem)", "basis cubic", "basis quadratic"]),
+        ([("cell 0.0002", "cell 0.0002 kinematics updated")], ["fix mpm (id cem)", "kinematics updated", "kinematics total"]),
+        ([("cell 0.0002", "cell 0.0002 edge free")], ["fix mpm (id cem)", "'edge free'", "restart file was written with 'edge tied'"]),
+        ([("axis radial", "axis bond")], ["fix mpm (id cem)", "'axis bond'", "by 'axis radial'"]),
+        ([("fix          cem", "fix          glue"), ("couple cem", "couple glue")], ["fix mpm (id glue)", "in motion", "ID"]),
+    ],
+    ids=["other cell", "other basis", "other kinematics", "other edge", "other axis", "other ID"],
+)
 def test_wrong_fix(tmp_path, first, changes, needed):
     shutil.copy(first(1).directory / "middle.restart", tmp_path)
     script = restarted("middle.restart") + FIXES + MOVING + "run 10\n"
@@ -164,7 +201,7 @@ BYTES_OF_SEAL = 40
 def whole(first):
     """Bytes of a restart file with its seal."""
     data = (first(1).directory / "middle.restart").read_bytes()
-    if data[-BYTES_OF_SEAL:-BYTES_OF_SEAL + 8] != b"MPDEMend":
+    if data[-BYTES_OF_SEAL : -BYTES_OF_SEAL + 8] != b"MPDEMend":
         pytest.skip("a LIGGGHTS with the package compiled in writes no seal")
     return data
 
@@ -178,7 +215,7 @@ def read_in(directory, data, ranks=1, name="middle.restart"):
 @pytest.mark.parametrize("kept", [0, 3, 100, 300, 500, 5000, 0.5, -8, -BYTES_OF_SEAL, -1])
 def test_truncated(tmp_path, whole, kept, ranks):
     """All of a file but its end, which `kept` says in bytes from the front or the back, or as a share."""
-    result = read_in(tmp_path, whole[:int(kept * len(whole)) if isinstance(kept, float) else kept], ranks)
+    result = read_in(tmp_path, whole[: int(kept * len(whole)) if isinstance(kept, float) else kept], ranks)
     assert result.status != 0 and len(result.errors()) == 1, result.output[-1000:]
     for word in ("read_restart", "middle.restart", "truncated"):
         assert word in result.errors()[0]
@@ -188,7 +225,7 @@ def test_truncated(tmp_path, whole, kept, ranks):
 def test_every_changed_byte_shows(tmp_path, whole, figures):
     """One bit changed, anywhere in the file and its seal, or bytes lost or put in."""
     places = [0, 1, 40, 200, 400, len(whole) // 3, len(whole) - BYTES_OF_SEAL - 1] + list(range(len(whole) - BYTES_OF_SEAL, len(whole), 3))
-    changed = [whole[:at] + bytes([whole[at] ^ 1 << at % 8]) + whole[at + 1:] for at in places]
+    changed = [whole[:at] + bytes([whole[at] ^ 1 << at % 8]) + whole[at + 1 :] for at in places]
     changed += [whole[:1000] + whole[1001:], whole[:1000] + b"x" + whole[1000:], whole + b"x"]
     for number, data in enumerate(changed):
         result = read_in(tmp_path, data)
@@ -202,14 +239,14 @@ def test_version_and_programs_without_seal(tmp_path, whole):
     at = whole.index(b"MPDEMrst") + 8
     bare = whole[:-BYTES_OF_SEAL]
     for version in (2, 26, 28):
-        result = read_in(tmp_path, bare[:at] + version.to_bytes(4, "little") + bare[at + 4:])
+        result = read_in(tmp_path, bare[:at] + version.to_bytes(4, "little") + bare[at + 4 :])
         assert result.status != 0 and len(result.errors()) == 1
         for words in (f"version {version}, this program reads version 27", "go on with the USER-MPDEM that wrote the file", "write_cement"):
             assert words in result.errors()[0]
-    result = read_in(tmp_path, bare[:at + 16] + bytes(4) + bare[at + 20:])
+    result = read_in(tmp_path, bare[: at + 16] + bytes(4) + bare[at + 20 :])
     assert result.status == 0, result.output[-1000:]
     for bonds in ((1 << 20) + 1, (1 << 31) - 1):  # more than the file has
-        result = read_in(tmp_path, bare[:at + 8] + bonds.to_bytes(4, "little") + bare[at + 12:at + 16] + bytes(4) + bare[at + 20:])
+        result = read_in(tmp_path, bare[: at + 8] + bonds.to_bytes(4, "little") + bare[at + 12 : at + 16] + bytes(4) + bare[at + 20 :])
         assert result.status != 0 and "truncated" in result.errors()[0]
 
 
@@ -242,8 +279,10 @@ def test_other_atom_styles_have_no_seal(tmp_path):
         pytest.skip("the stock program liggghts is not installed")
     if not hosted():
         pytest.skip("the head of the file names the build of the program")
-    script = ("units si\natom_style sphere\nboundary f f f\nnewton off\nregion b block -1 1 -1 1 -1 1 units box\ncreate_box 1 b\n"
-              "create_atoms 1 single 0 0 0 units box\nset type 1 diameter 0.1 density 2500\nneighbor 0.01 bin\n")
+    script = (
+        "units si\natom_style sphere\nboundary f f f\nnewton off\nregion b block -1 1 -1 1 -1 1 units box\ncreate_box 1 b\n"
+        "create_atoms 1 single 0 0 0 units box\nset type 1 diameter 0.1 density 2500\nneighbor 0.01 bin\n"
+    )
     run(script + "write_restart ours.restart\n", tmp_path)
     assert launch(script + "write_restart theirs.restart\n", tmp_path, program=program).status == 0
     assert (tmp_path / "ours.restart").read_bytes() == (tmp_path / "theirs.restart").read_bytes()
@@ -264,8 +303,10 @@ def test_written_again_without_a_run(tmp_path, first):
 def test_cement_made_after_bond_stiffness(tmp_path, first):
     """A command that lays out the bonds of the file comes before a bond that the file does not have."""
     shutil.copy(first(1).directory / "middle.restart", tmp_path)
-    more = ("create_atoms 1 single 0 0 -0.0122 units box\nset atom {id} diameter 0.004 density 2500\ngroup grains id {id}\n"
-            "{look}create_cement calcite pair 1 {id} shape flat inner 0.3e-3 outer 0.9e-3 film grid spacing 1e-4\n")
+    more = (
+        "create_atoms 1 single 0 0 -0.0122 units box\nset atom {id} diameter 0.004 density 2500\ngroup grains id {id}\n"
+        "{look}create_cement calcite pair 1 {id} shape flat inner 0.3e-3 outer 0.9e-3 film grid spacing 1e-4\n"
+    )
     tables = []
     for look in ("", "bond_stiffness k.csv\n"):
         script = edit(CONTINUED, f"run {AFTER}\n", more.format(id=first(1).points(BEFORE)["id"].max().astype(int) + 1, look=look) + f"run {AFTER}\n")
@@ -279,9 +320,16 @@ def test_grains_on_a_side_of_a_subdomain(tmp_path):
 
     def table(ranks, processors, write):
         script = edit(pair(1e-4, gap=2e-4, processors=processors), "create_cement", "displace_atoms grains move 1e-8 1e-8 0 units box\ncreate_cement")
-        return run(script + FIXES + f"fix motion grains move linear -0.05 -0.05 0\nrun 300\n{write}{columns}run 5\n", tmp_path / f"{ranks}{len(write)}", ranks).table()
+        return run(
+            script + FIXES + f"fix motion grains move linear -0.05 -0.05 0\nrun 300\n{write}{columns}run 5\n", tmp_path / f"{ranks}{len(write)}", ranks
+        ).table()
+
     whole, crossed = table(1, "* * *", ""), table(4, "2 2 1", "write_restart crossed.restart\n")
-    again = run(restarted("../430/crossed.restart", processors="2 2 1") + FIXES + "fix motion grains move linear -0.05 -0.05 0\n" + columns + "run 5\n", tmp_path / "again", 4).table()
+    again = run(
+        restarted("../430/crossed.restart", processors="2 2 1") + FIXES + "fix motion grains move linear -0.05 -0.05 0\n" + columns + "run 5\n",
+        tmp_path / "again",
+        4,
+    ).table()
     for name in whole:
         assert abs(whole[name]).max() > 0, name
         for other in (crossed, again):
@@ -291,7 +339,9 @@ def test_grains_on_a_side_of_a_subdomain(tmp_path):
 @pytest.mark.parametrize("divided", [80, 170])
 def test_damped_pieces_in_parts(tmp_path, divided):
     """What is damped against which grain is found when the bond is examined, so a run that is divided later is the run as a whole."""
-    script = pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0") + cement(4e-4, 1.6e-8, axis="radial", damage="damage tensor B0 9.6e3 quasistatic 2 0.05 check 50")
+    script = pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0") + cement(
+        4e-4, 1.6e-8, axis="radial", damage="damage tensor B0 9.6e3 quasistatic 2 0.05 check 50"
+    )
     script += "velocity second set 0.2 0 2.0\n" + MOVING + thermo(10, ["f_bond[22]", "f_cem[2]", "f_cem[5]", "f_cem[8]", "f_cem[10]"])
     whole = run(script + "run 600\n", tmp_path / "whole").table()
     parts = run(script + f"run {divided}\nrun {600 - divided}\n", tmp_path / "parts").table()

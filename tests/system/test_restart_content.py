@@ -12,14 +12,78 @@ from scenes import cement, edit, launch, pair, restarted, run, thermo
 SEAL = 40
 FIX_HEAD, FIX_BOND, NODE = 65, 22, 14  # numbers of the head of fix mpm's data, of a bond in them, and of a node with a point
 # Of the numbers of a bond.
-BOND = {"first": 0, "second": 1, "origin": 2, "turn": 5, "radius": 9, "centre": 11, "orientation": 17, "shift": 25, "area": 31, "box": 33, "axis": 36,
-        "in motion": 40, "condensed": 41, "calm": 42, "volume": 43, "spacing": 44, "lattice": 45, "regular": 48, "thickness": 49, "points": 50, "pattern": 51, "wants points": 52, "home": 53, "left": 54}
+BOND = {
+    "first": 0,
+    "second": 1,
+    "origin": 2,
+    "turn": 5,
+    "radius": 9,
+    "centre": 11,
+    "orientation": 17,
+    "shift": 25,
+    "area": 31,
+    "box": 33,
+    "axis": 36,
+    "in motion": 40,
+    "condensed": 41,
+    "calm": 42,
+    "volume": 43,
+    "spacing": 44,
+    "lattice": 45,
+    "regular": 48,
+    "thickness": 49,
+    "points": 50,
+    "pattern": 51,
+    "wants points": 52,
+    "home": 53,
+    "left": 54,
+}
 BOND_NUMBERS = 56
-FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "left": 18, "time": 24, "coupling": 27, "kn": 28, "law": 31, "bonds": 51,
-       "nodes": 52, "copies": 61}
+FIX = {
+    "version": 0,
+    "cell": 1,
+    "basis": 2,
+    "updated": 3,
+    "tied": 4,
+    "step": 5,
+    "started": 6,
+    "energy": 7,
+    "left": 18,
+    "time": 24,
+    "coupling": 27,
+    "kn": 28,
+    "law": 31,
+    "bonds": 51,
+    "nodes": 52,
+    "copies": 61,
+}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
-POINT = {"kind": 17, "bond": 18, "layer": 19, "failed": 20, "checked": 21, "connected": 22, "film": 23, "framed": 24, "place": 25, "volume": 28, "deformation": 29, "frame": 38,
-         "strain": 42, "damage": 48, "law": 54, "moving": 55, "links": 56, "grain": 57, "foot": 58, "area": 61, "attached": 62, "way": 63, "inert": 66, "state": 67}
+POINT = {
+    "kind": 17,
+    "bond": 18,
+    "layer": 19,
+    "failed": 20,
+    "checked": 21,
+    "connected": 22,
+    "film": 23,
+    "framed": 24,
+    "place": 25,
+    "volume": 28,
+    "deformation": 29,
+    "frame": 38,
+    "strain": 42,
+    "damage": 48,
+    "law": 54,
+    "moving": 55,
+    "links": 56,
+    "grain": 57,
+    "foot": 58,
+    "area": 61,
+    "attached": 62,
+    "way": 63,
+    "inert": 66,
+    "state": 67,
+}
 # The same of a grain.
 GRAIN = {"orientation": 19, "seen": 23, "velocity": 24, "placed": 63}
 NAN, HUGE = float("nan"), 1e300
@@ -27,11 +91,11 @@ NAN, HUGE = float("nan"), 1e300
 
 def reseal(data):
     """The sum of host/restart_seal.cpp over all but itself: FNV-1a, 64 bits."""
-    if data[-SEAL:-SEAL + 8] != b"MPDEMend":
+    if data[-SEAL : -SEAL + 8] != b"MPDEMend":
         return data
-    value = 0xcbf29ce484222325
+    value = 0xCBF29CE484222325
     for byte in data[:-8]:
-        value = (value ^ byte) * 0x100000001b3 & 0xffffffffffffffff
+        value = (value ^ byte) * 0x100000001B3 & 0xFFFFFFFFFFFFFFFF
     return data[:-8] + value.to_bytes(8, "little")
 
 
@@ -40,7 +104,7 @@ class File:
 
     def __init__(self, data):
         self.data = data
-        end = len(data) - (SEAL if data[-SEAL:-SEAL + 8] == b"MPDEMend" else 0)
+        end = len(data) - (SEAL if data[-SEAL : -SEAL + 8] == b"MPDEMend" else 0)
         self.head = data.index(b"MPDEMrst") + 8  # version, numbers of a bond, bonds, templates, whether there is a seal
         size, bonds = self.integer(self.head + 4), self.integer(self.head + 8)
         assert size == BOND_NUMBERS and bonds == 1
@@ -75,10 +139,10 @@ class File:
         return self.atoms[2 + n] + 8 * (POINT["kind"] + 2 + number)
 
     def with_number(self, at, value):
-        return reseal(self.data[:at] + struct.pack("<d", value) + self.data[at + 8:])
+        return reseal(self.data[:at] + struct.pack("<d", value) + self.data[at + 8 :])
 
     def with_integer(self, at, value):
-        return reseal(self.data[:at] + struct.pack("<i", value) + self.data[at + 4:])
+        return reseal(self.data[:at] + struct.pack("<i", value) + self.data[at + 4 :])
 
 
 FIXES = cement(6e-4, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
@@ -95,8 +159,7 @@ def files(tmp_path_factory):
     """With total and updated kinematics: some points are damaged, some have failed."""
     found = {}
     for kinematics in ("total", "updated"):
-        first = (pair(3e-4, gap=6e-4) + FIXES + "velocity second set 0.5 0.1 3\nset group second omegaz 300\n" + MOVING
-                 + "run 150\nwrite_restart good.restart\n")
+        first = pair(3e-4, gap=6e-4) + FIXES + "velocity second set 0.5 0.1 3\nset group second omegaz 300\n" + MOVING + "run 150\nwrite_restart good.restart\n"
         result = run(first if kinematics == "total" else updated(first), tmp_path_factory.mktemp(kinematics))
         found[kinematics] = File((result.directory / "good.restart").read_bytes())
     return found
@@ -119,23 +182,94 @@ def test_unchanged(tmp_path, files):
         assert attempt(tmp_path, file.with_number(file.fix, file.number(file.fix)), script=script) == ""
 
 
-@pytest.mark.parametrize("part, name, value, needed", [
-    ("head", "size", 44, "44 numbers"), ("head", "bonds", 0, "0 bonds, which is not how many it has"), ("head", "bonds", 2, "2 bonds, which is not how many it has"),
-    ("head", "bonds", -1, "-1 bonds"), ("head", "bonds", 1 << 20, "truncated"),
-    ("bond", "first", -7.0, "first grain is -7"), ("bond", "first", 0.5, "first grain is 0.5"), ("bond", "second", 1.0, "from 2"), ("bond", "second", NAN, "second grain"),
-    ("bond", "orientation", 7.0, "orientation"), ("bond", "turn", 7.0, "axes"), ("bond", "radius", -5e-3, "radius"), ("bond", "axis", 4.0, "axis is 4"), ("bond", "in motion", 0.5, "motion' is 0.5"), ("bond", "condensed", 0.5, "condensed' is 0.5"), ("bond", "calm", -1e-6, "pieces were at rest"), ("bond", "area", 1.0, "attached area"), ("bond", "origin", NAN, "origin"),
-    ("bond", "spacing", 1e-300, "spacing"), ("bond", "lattice", HUGE, "lattice"), ("bond", "points", NAN, "number of points"), ("bond", "pattern", 7.0, "pattern"), ("bond", "pattern", -1.0, "pattern"), ("bond", "wants points", 0.5, "points' is 0.5"), ("bond", "home", -1.0, "rank that has its points"), ("bond", "home", 0.5, "rank that has its points"),
-    ("fix", "cell", NAN, "cell"), ("fix", "basis", 3.0, "basis is 3"), ("fix", "basis", -1.0, "basis is -1"), ("fix", "basis", NAN, "basis is nan"),
-    ("fix", "updated", 2.0, "'kinematics updated' is 2"), ("fix", "tied", -1.0, "'edge tied' is -1"), ("fix", "started", 2.0, "bonds that have moved"),
-    ("fix", "bonds", 2.0, "number of bonds is 2"), ("fix", "bonds", -1.0, "number of bonds is -1"), ("fix", "bonds", HUGE, "number of bonds"),
-    ("fix", "nodes", -1.0, "number of nodes is -1"), ("fix", "nodes", 1e9, "of 1e+09 nodes"), ("fix", "nodes", NAN, "number of nodes is nan"),
-    ("fix", "copies", -1.0, "number of copies of nodes is -1"), ("fix", "copies", 1e9, "1000000000 copies of nodes take"),
-    ("bond", "left", 0.5, "has left' of a grain is 0.5"), ("fix", "left", -1.0, "number of points that left"), ("fix", "time", NAN, "time"), ("fix", "coupling", 3.0, "kind of coupling is 3"), ("fix", "kn", NAN, "kn of the coupling"), ("node", 0, 1048576.0, "the bond of a node"), ("node", 1, -1.0, "layer of a node"), ("node", 2, 1e12, "grid index of a node"), ("node", 5, NAN, "velocity of a node"), ("node", 13, NAN, "acceleration of a node"), ("node", -1, 1e9, "number of nodes"), ("node", -1, 0.0, "number of nodes"), ("bond row", 1, 0.5, "separated' of a bond is 0.5"),
-    ("point", "kind", 4.0, "state is of kind 4"), ("point", "kind", 2.0, "of a bonded grain"), ("point", "bond", 1.0, "its bond is 1"), ("point", "bond", -1.0, "its bond is -1"),
-    ("point", "layer", 1e9, "layer"), ("point", "film", 1.0, "it is film, and has no link to either grain"), ("point", "film", 0.5, "'is film'"), ("point", "moving", 1.0, "ends before its number of links"), ("point", "links", 0.0, "of a contact point"), ("point", "attached", 2.0, "'is attached' of a link is 2"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),
-    ("point", "deformation", NAN, "deformation"), ("point", "frame", 2.0, "frame"), ("point", "damage", 1.5, "damage is 1.5"), ("point", "law", 100.0, "law of damage is 100"), ("point", "links", 3.0, "links"), ("point", "state", 1.5, "the state of a link is 1.5"), ("point", "state", -0.1, "the state of a link is -0.1"), ("point", "state", NAN, "the state of a link is nan"),
-    ("point", "grain", 3.0, "grain of a link"), ("grain", "orientation", 7.0, "orientation of a bonded grain"), ("grain", "seen", 2.0, "'velocities are known' of a bonded grain is 2"),
-    ("grain", "velocity", NAN, "velocity of a bonded grain is nan"), ("grain", "placed", 0.5, "'position is known'"), ("atom", 0, 0.0, "number of numbers"), ("atom", 0, HUGE, "number of numbers"), ("atom", 11, NAN, "radius"), ("atom", 12, 0.0, "mass")])
+@pytest.mark.parametrize(
+    "part, name, value, needed",
+    [
+        ("head", "size", 44, "44 numbers"),
+        ("head", "bonds", 0, "0 bonds, which is not how many it has"),
+        ("head", "bonds", 2, "2 bonds, which is not how many it has"),
+        ("head", "bonds", -1, "-1 bonds"),
+        ("head", "bonds", 1 << 20, "truncated"),
+        ("bond", "first", -7.0, "first grain is -7"),
+        ("bond", "first", 0.5, "first grain is 0.5"),
+        ("bond", "second", 1.0, "from 2"),
+        ("bond", "second", NAN, "second grain"),
+        ("bond", "orientation", 7.0, "orientation"),
+        ("bond", "turn", 7.0, "axes"),
+        ("bond", "radius", -5e-3, "radius"),
+        ("bond", "axis", 4.0, "axis is 4"),
+        ("bond", "in motion", 0.5, "motion' is 0.5"),
+        ("bond", "condensed", 0.5, "condensed' is 0.5"),
+        ("bond", "calm", -1e-6, "pieces were at rest"),
+        ("bond", "area", 1.0, "attached area"),
+        ("bond", "origin", NAN, "origin"),
+        ("bond", "spacing", 1e-300, "spacing"),
+        ("bond", "lattice", HUGE, "lattice"),
+        ("bond", "points", NAN, "number of points"),
+        ("bond", "pattern", 7.0, "pattern"),
+        ("bond", "pattern", -1.0, "pattern"),
+        ("bond", "wants points", 0.5, "points' is 0.5"),
+        ("bond", "home", -1.0, "rank that has its points"),
+        ("bond", "home", 0.5, "rank that has its points"),
+        ("fix", "cell", NAN, "cell"),
+        ("fix", "basis", 3.0, "basis is 3"),
+        ("fix", "basis", -1.0, "basis is -1"),
+        ("fix", "basis", NAN, "basis is nan"),
+        ("fix", "updated", 2.0, "'kinematics updated' is 2"),
+        ("fix", "tied", -1.0, "'edge tied' is -1"),
+        ("fix", "started", 2.0, "bonds that have moved"),
+        ("fix", "bonds", 2.0, "number of bonds is 2"),
+        ("fix", "bonds", -1.0, "number of bonds is -1"),
+        ("fix", "bonds", HUGE, "number of bonds"),
+        ("fix", "nodes", -1.0, "number of nodes is -1"),
+        ("fix", "nodes", 1e9, "of 1e+09 nodes"),
+        ("fix", "nodes", NAN, "number of nodes is nan"),
+        ("fix", "copies", -1.0, "number of copies of nodes is -1"),
+        ("fix", "copies", 1e9, "1000000000 copies of nodes take"),
+        ("bond", "left", 0.5, "has left' of a grain is 0.5"),
+        ("fix", "left", -1.0, "number of points that left"),
+        ("fix", "time", NAN, "time"),
+        ("fix", "coupling", 3.0, "kind of coupling is 3"),
+        ("fix", "kn", NAN, "kn of the coupling"),
+        ("node", 0, 1048576.0, "the bond of a node"),
+        ("node", 1, -1.0, "layer of a node"),
+        ("node", 2, 1e12, "grid index of a node"),
+        ("node", 5, NAN, "velocity of a node"),
+        ("node", 13, NAN, "acceleration of a node"),
+        ("node", -1, 1e9, "number of nodes"),
+        ("node", -1, 0.0, "number of nodes"),
+        ("bond row", 1, 0.5, "separated' of a bond is 0.5"),
+        ("point", "kind", 4.0, "state is of kind 4"),
+        ("point", "kind", 2.0, "of a bonded grain"),
+        ("point", "bond", 1.0, "its bond is 1"),
+        ("point", "bond", -1.0, "its bond is -1"),
+        ("point", "layer", 1e9, "layer"),
+        ("point", "film", 1.0, "it is film, and has no link to either grain"),
+        ("point", "film", 0.5, "'is film'"),
+        ("point", "moving", 1.0, "ends before its number of links"),
+        ("point", "links", 0.0, "of a contact point"),
+        ("point", "attached", 2.0, "'is attached' of a link is 2"),
+        ("point", "place", 1e9, "place"),
+        ("point", "volume", 0.0, "volume"),
+        ("point", "deformation", NAN, "deformation"),
+        ("point", "frame", 2.0, "frame"),
+        ("point", "damage", 1.5, "damage is 1.5"),
+        ("point", "law", 100.0, "law of damage is 100"),
+        ("point", "links", 3.0, "links"),
+        ("point", "state", 1.5, "the state of a link is 1.5"),
+        ("point", "state", -0.1, "the state of a link is -0.1"),
+        ("point", "state", NAN, "the state of a link is nan"),
+        ("point", "grain", 3.0, "grain of a link"),
+        ("grain", "orientation", 7.0, "orientation of a bonded grain"),
+        ("grain", "seen", 2.0, "'velocities are known' of a bonded grain is 2"),
+        ("grain", "velocity", NAN, "velocity of a bonded grain is nan"),
+        ("grain", "placed", 0.5, "'position is known'"),
+        ("atom", 0, 0.0, "number of numbers"),
+        ("atom", 0, HUGE, "number of numbers"),
+        ("atom", 11, NAN, "radius"),
+        ("atom", 12, 0.0, "mass"),
+    ],
+)
 def test_named(tmp_path, files, part, name, value, needed):
     """A number out of its range is named, with its value."""
     f = files["total"]
@@ -144,8 +278,15 @@ def test_named(tmp_path, files, part, name, value, needed):
     if part == "head":
         data = f.with_integer(f.head + {"size": 4, "bonds": 8}[name], value)
     else:
-        at = {"bond": lambda: f.bond + 8 * BOND[name], "fix": lambda: f.fix + 8 * FIX[name], "bond row": lambda: f.fix + 8 * (FIX_HEAD + name), "node": lambda: f.node(with_node, name),
-              "point": lambda: f.point(linked, name), "atom": lambda: f.atoms[1] + 8 * name, "grain": lambda: f.atoms[1] + 8 * GRAIN[name]}[part]()
+        at = {
+            "bond": lambda: f.bond + 8 * BOND[name],
+            "fix": lambda: f.fix + 8 * FIX[name],
+            "bond row": lambda: f.fix + 8 * (FIX_HEAD + name),
+            "node": lambda: f.node(with_node, name),
+            "point": lambda: f.point(linked, name),
+            "atom": lambda: f.atoms[1] + 8 * name,
+            "grain": lambda: f.atoms[1] + 8 * GRAIN[name],
+        }[part]()
         data = f.with_number(at, value)
     error = attempt(tmp_path, data)
     who = "fix mpm (id cem)" if part in ("fix", "bond row") else "read_restart"

@@ -8,9 +8,21 @@ from running_crack import crack
 FINE = 2  # cells a length
 
 
-@pytest.mark.parametrize("cells, angle, off, energy", [
-    (1, 0, 0, None), (1, 0, 1, None), (1, 26.565, 0, None), (1, 45, 0, None), (1, 0, 0, 14.0),
-    (FINE, 0, 0, None), (FINE, 0, 1, None), (FINE, 26.565, 0, None), (FINE, 45, 0, None), (FINE, 0, 0, 14.0)])
+@pytest.mark.parametrize(
+    "cells, angle, off, energy",
+    [
+        (1, 0, 0, None),
+        (1, 0, 1, None),
+        (1, 26.565, 0, None),
+        (1, 45, 0, None),
+        (1, 0, 0, 14.0),
+        (FINE, 0, 0, None),
+        (FINE, 0, 1, None),
+        (FINE, 26.565, 0, None),
+        (FINE, 45, 0, None),
+        (FINE, 0, 0, 14.0),
+    ],
+)
 def test_slope(tmp_path, figures, long, cells, angle, off, energy):
     if cells == FINE and not long:
         pytest.skip("a minute each: with --long")

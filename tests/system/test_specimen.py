@@ -74,7 +74,7 @@ def test_specimen(cemented, tmp_path, figures):
     figures.below("specimen: energy imbalance", abs(curve["imbalance"][1:]).max(), 0.015)
 
     apart = [r["mode"] for r in last if float(r["separated"]) > 0]
-    told, = re.findall(r"^fix mpm \(id cem\): of (\d+) bonds points failed in \d+, .*: (.*)$", result.output, re.M)[-1:]
+    (told,) = re.findall(r"^fix mpm \(id cem\): of (\d+) bonds points failed in \d+, .*: (.*)$", result.output, re.M)[-1:]
     modes = {mode: int(n) for n, mode in re.findall(r"(\d+) (\w+)", told[1])}
     assert int(told[0]) == len(last)
     # one more check follows the last row, at the end of a run
@@ -104,8 +104,7 @@ def check_pictures(folder, height, curve, points):
 
     step = max(int(p.stem.split("_")[1]) for p in folder.glob("cement_[0-9]*.vtk"))
     assert step > curve["step"][0]
-    for name, number, columns in (("beads", BEADS, {"id", "radius", "v"}),
-                                  ("cement", points, {"id", "radius", "c_damage", "c_failed", "c_bond", "c_stress"})):
+    for name, number, columns in (("beads", BEADS, {"id", "radius", "v"}), ("cement", points, {"id", "radius", "c_damage", "c_failed", "c_bond", "c_stress"})):
         place, arrays = of(folder / f"{name}_{step}.vtk")
         assert set(arrays) == columns and len(place) == number
         with open(folder / f"{name}_at.{step}.txt") as f:
@@ -148,7 +147,7 @@ def test_warning_of_scaled_inertia(inertia, cemented, tmp_path, figures):
     curve = rows(tmp_path)
     before = int(np.argmax(curve["failed"] > 0)) - 1
     assert before > 5 and curve["kinetic_share"][before:].max() > 3e-3, "bursts are faster than the limit"
-    share, unbalanced = (np.median(curve[name][before - 2:before + 1]) for name in ("kinetic_share", "unbalanced"))
+    share, unbalanced = (np.median(curve[name][before - 2 : before + 1]) for name in ("kinetic_share", "unbalanced"))
     assert result.output.count(TOO_FAST) == (inertia > 1)
     if inertia == 1:
         figures.below("specimen: kinetic share before a point fails, over the limit of the warning", share / 3e-3, 1.0)
@@ -160,13 +159,15 @@ def test_warning_of_scaled_inertia(inertia, cemented, tmp_path, figures):
 @pytest.mark.parametrize("wall", [1, 375])
 def test_pressure_holds(wall, cemented, tmp_path, figures):
     """The servos keep the pressure of the sides in each row, up to the peak and in the bursts after it, while the plate moves at 0.1 m/s. Heavy walls do not."""
-    load(cemented, tmp_path, **{**FAST, "speed": 0.1, "ramp": 2e-4, "confine": 3e-4, "record": 100}, pressure=5e4, wall=wall, strain=0.002, beyond=1e9, fallen=-1)
+    load(
+        cemented, tmp_path, **{**FAST, "speed": 0.1, "ramp": 2e-4, "confine": 3e-4, "record": 100}, pressure=5e4, wall=wall, strain=0.002, beyond=1e9, fallen=-1
+    )
     curve = rows(tmp_path)
     moves = np.flatnonzero(curve["stage"] == 1)
     shape = {k: float(v) for k, v in re.findall(r"(height|side) +index (\S+)", (cemented / "poured.in").read_text())}
     off = abs(curve["sideways"] / (5e4 * shape["side"] * shape["height"]) - 1)
     peak = moves[curve["force"][moves].argmax()]
-    to_peak, after = off[moves[0]:peak + 1].max(), off[peak + 1:].max()
+    to_peak, after = off[moves[0] : peak + 1].max(), off[peak + 1 :].max()
     assert peak > moves[0] + 10 and len(curve["force"]) > peak + 50 and curve["broken"][-1] > 20
     if wall == 1:
         figures.below("pressure of the sides in rows, off up to the peak, over it", to_peak, 0.02)
@@ -181,7 +182,7 @@ def test_without_cement(poured, tmp_path, figures):
     result = load(poured, tmp_path, start="poured", pressure=5e4, record=50, strain=0.02)
     curve = rows(tmp_path)
     assert not any(curve[c].any() for c in ("failed", "awake", "broken", "elastic", "work"))
-    pressed = 5e4 * float(re.search(r"side +index (\S+)", (poured / "poured.in").read_text())[1])**2
+    pressed = 5e4 * float(re.search(r"side +index (\S+)", (poured / "poured.in").read_text())[1]) ** 2
     assert "RESULT" in result.output and 0.5 * pressed < curve["force"][-100:].mean() < 5 * pressed
 
 
@@ -193,7 +194,7 @@ def test_goes_on(ranks, words, cemented, tmp_path, figures):
     load(cemented, tmp_path / "first", ranks, **words, strain=1e-5)
     again = {k: v for k, v in words.items() if k not in ("pressure", "test")}  # these are known
     load(cemented, tmp_path / "second", ranks, **again, start="loaded", loaded=tmp_path / "first", strain=1e-4)
-    file, = (tmp_path / "second").glob("curve_from_*.csv")
+    (file,) = (tmp_path / "second").glob("curve_from_*.csv")
     whole, second = rows(tmp_path / "whole"), rows(tmp_path / "second", file.name)
     begin = int(file.stem.split("_")[-1])
     assert begin > whole["step"][0] and abs(second["step"][0] - begin) <= 5
@@ -202,8 +203,11 @@ def test_goes_on(ranks, words, cemented, tmp_path, figures):
         there = np.interp(second["step"], whole["step"], whole[column])
         within = second["step"] <= whole["step"][-1]
         assert within.sum() > 20
-        figures.below(f"{words.get('test', 'compression')}: {column} of a loading in parts against that of the whole, over the largest",
-                      abs(second[column] - there)[within].max() / abs(whole[column]).max(), 3e-2)
+        figures.below(
+            f"{words.get('test', 'compression')}: {column} of a loading in parts against that of the whole, over the largest",
+            abs(second[column] - there)[within].max() / abs(whole[column]).max(),
+            3e-2,
+        )
 
 
 def test_other_box(tmp_path):

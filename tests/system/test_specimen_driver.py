@@ -13,9 +13,36 @@ from scenes import PATIENCE, executable
 
 ROOT = Path(__file__).parents[2]
 DRIVER = ROOT / "tools" / "specimen.py"
-TINY = ["--beads", "12", "--contents", "0.012", "--pressures", "5e3,2e5", "--jobs", "1",
-        "--set", "settle=0.04", "--set", "press=0.01", "--set", "speed=0.2", "--set", "pull=0.05", "--set", "ramp=2e-5", "--set", "confine=6e-5",
-        "--set", "record=20", "--set", "frames=5", "--set", "strain=0.004", "--set", "beyond=1.3"]
+TINY = [
+    "--beads",
+    "12",
+    "--contents",
+    "0.012",
+    "--pressures",
+    "5e3,2e5",
+    "--jobs",
+    "1",
+    "--set",
+    "settle=0.04",
+    "--set",
+    "press=0.01",
+    "--set",
+    "speed=0.2",
+    "--set",
+    "pull=0.05",
+    "--set",
+    "ramp=2e-5",
+    "--set",
+    "confine=6e-5",
+    "--set",
+    "record=20",
+    "--set",
+    "frames=5",
+    "--set",
+    "strain=0.004",
+    "--set",
+    "beyond=1.3",
+]
 
 
 def drive(out, *words):
@@ -53,7 +80,11 @@ def test_strengths(driven, figures):
     assert sum(int(r["broken"]) for r in table.values()) > 3
     assert said.count("pressure of the sides off by at most ") == 2 and (out / "pressure.png").stat().st_size > 5000
     for label, r in table.items():
-        assert (float(r["pressure_off_to_peak"]) >= 0) == ("MPa" in label) and 0 < float(r["kinetic_share_at_first_failure"]) <= 1 and float(r["unbalanced_at_first_failure"]) > 0
+        assert (
+            (float(r["pressure_off_to_peak"]) >= 0) == ("MPa" in label)
+            and 0 < float(r["kinetic_share_at_first_failure"]) <= 1
+            and float(r["unbalanced_at_first_failure"]) > 0
+        )
     for picture in ("curves.png", "awake.png", "strength.png", "rose.png", *(f"{kind}_{label}.png" for kind in ("energy", "bonds") for label in table)):
         assert (out / picture).stat().st_size > 5000, picture
 
@@ -63,7 +94,7 @@ def test_curve(driven, figures):
     out, _ = driven
     r, c = rows(out)["tension_0.012"], curve(out, "tension_0.012")
     poured = json.loads((out / "poured" / "done.json").read_text())["results"]
-    assert float(r["strength"]) == pytest.approx(c["force"].max() / poured["side"]**2, rel=1e-5)
+    assert float(r["strength"]) == pytest.approx(c["force"].max() / poured["side"] ** 2, rel=1e-5)
     with open(out / "tension_0.012" / "bond.csv", newline="") as f:
         bonds = list(csv.DictReader(f))
     last = [b for b in bonds if b["step"] == bonds[-1]["step"]]
@@ -73,8 +104,9 @@ def test_curve(driven, figures):
     # nothing but grips and contacts works on beads and cement: until it breaks, what the grips do is in beads and cement but for the contacts
     work = np.cumsum(c["force"][1:] * np.diff(c["way"]))
     peak = int(np.argmax(c["force"])) - 1
-    figures.below("tension: work of the grip against that in beads and cement, at the peak",
-                  abs((c["work"] + c["kinetic_beads"])[peak + 1] / work[peak] - 1), 0.05)
+    figures.below(
+        "tension: work of the grip against that in beads and cement, at the peak", abs((c["work"] + c["kinetic_beads"])[peak + 1] / work[peak] - 1), 0.05
+    )
 
 
 @pytest.mark.parametrize("pressure", [5e3, 2e5])
@@ -84,9 +116,12 @@ def test_confined(driven, figures, pressure):
     c = curve(out, f"compression_0.012_{1e-6 * pressure:g}MPa")
     poured = json.loads((out / "poured" / "done.json").read_text())["results"]
     before = int(np.flatnonzero(c["stage"] == 0)[-1])
-    figures.below(f"pressure of the sides at the end of their stage, {1e-6 * pressure:g} MPa",
-                  abs(c["sideways"][before] / (pressure * poured["side"] * poured["height"]) - 1), 0.1)
-    figures.below(f"strain of the sides until then, {1e-6 * pressure:g} MPa", abs(c["lateral"][:before + 1]).max(), 2e-3)
+    figures.below(
+        f"pressure of the sides at the end of their stage, {1e-6 * pressure:g} MPa",
+        abs(c["sideways"][before] / (pressure * poured["side"] * poured["height"]) - 1),
+        0.1,
+    )
+    figures.below(f"strain of the sides until then, {1e-6 * pressure:g} MPa", abs(c["lateral"][: before + 1]).max(), 2e-3)
     assert c["stage"][-1] == 1
 
 
@@ -107,14 +142,30 @@ def test_energy_of_the_contacts(driven, figures):
     out, _ = driven
     sys.path.insert(0, str(ROOT / "tools"))
     from mpdem import specimen
+
     folder = out / "without_friction"
     folder.mkdir()
     scripts = ROOT / "examples" / "specimen"
-    words = {"here": scripts, "poured": "../poured", "cemented": "../cemented_0.012", "rub": 0, "bounce": 0.9999, "speed": 0.05, "ramp": 2e-5, "record": 20, "frames": 1,
-             "strain": 0.002, "beyond": 1.1}
+    words = {
+        "here": scripts,
+        "poured": "../poured",
+        "cemented": "../cemented_0.012",
+        "rub": 0,
+        "bounce": 0.9999,
+        "speed": 0.05,
+        "ramp": 2e-5,
+        "record": 20,
+        "frames": 1,
+        "strain": 0.002,
+        "beyond": 1.1,
+    }
     with open(folder / "out.txt", "w") as said:
-        done = subprocess.run([executable(), "-in", scripts / "in.load", *(str(w) for k, v in words.items() for w in ("-var", k, v))], cwd=folder, stdout=said,
-                              timeout=300 * PATIENCE)
+        done = subprocess.run(
+            [executable(), "-in", scripts / "in.load", *(str(w) for k, v in words.items() for w in ("-var", k, v))],
+            cwd=folder,
+            stdout=said,
+            timeout=300 * PATIENCE,
+        )
     assert done.returncode == 0, (folder / "out.txt").read_text()[-2000:]
     c = specimen.Curve(str(folder), "compression", 0.0)
     fails = int(np.argmax(c.table["failed"] > 0)) - 1
@@ -148,8 +199,12 @@ BAD = {
 @pytest.mark.parametrize("name", BAD)
 def test_message(name, tmp_path):
     words, needed = BAD[name]
-    done = subprocess.run(["/usr/bin/python3", DRIVER, tmp_path / "out", *(w.replace("-1e5", "=-1e5") if w == "-1e5" else w for w in words)],
-                          capture_output=True, text=True, env={**os.environ})
+    done = subprocess.run(
+        ["/usr/bin/python3", DRIVER, tmp_path / "out", *(w.replace("-1e5", "=-1e5") if w == "-1e5" else w for w in words)],
+        capture_output=True,
+        text=True,
+        env={**os.environ},
+    )
     assert done.returncode != 0
     missing = [w for w in needed if w not in done.stderr]
     assert not missing, done.stderr
@@ -165,13 +220,16 @@ def test_nothing_to_draw(tmp_path):
 def test_a_failing_run_is_told(tmp_path):
     """A spacing of nothing: the message of the program, and that others needed it."""
     done = drive(tmp_path / "out", *TINY, "--set", "spacing=0")
-    assert done.returncode != 0 and "FAILED cemented_0.012: ERROR: create_cement" in done.stdout and "needs a run that failed" in done.stderr, done.stdout + done.stderr
+    assert done.returncode != 0 and "FAILED cemented_0.012: ERROR: create_cement" in done.stdout and "needs a run that failed" in done.stderr, (
+        done.stdout + done.stderr
+    )
 
 
 def test_mohr_coulomb():
     """Of a material that has them."""
     sys.path.insert(0, str(ROOT / "tools"))
     from mpdem import specimen
+
     cohesion, angle = 3e5, np.radians(35.0)
     q = (1 + np.sin(angle)) / (1 - np.sin(angle))
     rows = [{"pressure": p, "strength": 2 * cohesion * np.sqrt(q) + q * p} for p in (0.0, 1e5, 4e5)]

@@ -25,19 +25,25 @@ def reference(axis):
 @pytest.fixture(scope="module")
 def stiffness(tmp_path_factory):
     """Stiffness by cell, penalty over C33 (or auto), axis and direction; each is run once."""
+
     @functools.lru_cache
     def measure(cell, penalty="auto", axis="global 0 0 1", direction=(0, 0, 1)):
         timestep = 1e-8 * cell / 1e-4
         kn = "auto" if penalty == "auto" else f"{penalty * C33(*VTI):.17g}"
         half_box = tuple(np.abs(direction) * RADIUS + RADIUS + 1e-3)
-        script = (pair(cell / 2, direction=direction, half_box=half_box)
-                  + cement(cell, timestep, axis=axis, couple=f"kn {kn} kt {kn}")
-                  + shift(DISTANCE, DURATION, direction) + f"run {round(DURATION / timestep)}\n"
-                  # what is left of the vibration averages out while the grains are held
-                  + "unfix pull\nfix pull second move linear 0 0 0\n"
-                  + thermo(4, ["f_bond"]) + f"run {round(4e-6 / timestep)}\n")
+        script = (
+            pair(cell / 2, direction=direction, half_box=half_box)
+            + cement(cell, timestep, axis=axis, couple=f"kn {kn} kt {kn}")
+            + shift(DISTANCE, DURATION, direction)
+            + f"run {round(DURATION / timestep)}\n"
+            # what is left of the vibration averages out while the grains are held
+            + "unfix pull\nfix pull second move linear 0 0 0\n"
+            + thermo(4, ["f_bond"])
+            + f"run {round(4e-6 / timestep)}\n"
+        )
         force = run(script, tmp_path_factory.mktemp("stiffness")).table()["f_bond"]
         return force.mean() / DISTANCE
+
     return measure
 
 
@@ -79,8 +85,10 @@ def test_grid_across_a_thin_bond(tmp_path, figures):
     """A ring as thin as two cells, with a node in its middle and with the grid half a cell off along the bond."""
     words, cell = "outer 2.5e-3 inner 1.96e-3", 8e-4
     exact = converged_axial_stiffness(RADIUS, 1.96e-3, 2.5e-3, 0.0, TransverselyIsotropic(*VTI), axis_uniform(0.0, 1.0)).value
-    error = {name: measure(tmp_path / name, "tension", "flat", f"{words} {grid}", cell) / exact - 1
-             for name, grid in (("middle", ""), ("off", f"grid 0 0 {cell / 2}"))}
+    error = {
+        name: measure(tmp_path / name, "tension", "flat", f"{words} {grid}", cell) / exact - 1
+        for name, grid in (("middle", ""), ("off", f"grid 0 0 {cell / 2}"))
+    }
     figures.below("error of the stiffness with a node in the middle", abs(error["middle"]), 0.03)
     figures.note("signed error of the stiffness, grid half a cell off", f"{error['off']:+.4f}")
     assert error["off"] > 0.1  # what create_cement.md warns of

@@ -26,8 +26,9 @@ def scene(case, cell, direction=(0, 0, 1)):
     words = " ".join(f"{w} {case[w]:.15g}" for w in WORDS[case["shape"]])
     axis = "bond" if case["axis"] == "z" else case["axis"]
     half_box = tuple(np.abs(direction) * (case["radius"] + case["gap"] / 2) + case["radius"] + 1e-3)
-    return (pair(cell / 2, gap=case["gap"], cement=words, shape=case["shape"], radius=case["radius"], half_box=half_box, direction=direction)
-            + cement(cell, 1e-9, elastic=tuple(case["elastic"]), axis=axis))
+    return pair(cell / 2, gap=case["gap"], cement=words, shape=case["shape"], radius=case["radius"], half_box=half_box, direction=direction) + cement(
+        cell, 1e-9, elastic=tuple(case["elastic"]), axis=axis
+    )
 
 
 def solve(directory, script, ranks=1):
@@ -108,8 +109,10 @@ fix          bond grains mpm/couple cem
 
 def test_equal_bonds_and_ranks(tmp_path):
     """12 bonds along three axes: three are solved. On more ranks some are cut, and the matrices stay."""
+
     def by_place(rows):  # LIGGGHTS numbers the beads by ranks
         return {tuple(round(1e4 * row[c]) for c in "xyz"): row for row in rows}
+
     one, solved = solve(tmp_path / "1", PACKING)
     one = by_place(one)
     assert solved == 3
@@ -125,16 +128,15 @@ def test_equal_bonds_and_ranks(tmp_path):
 
 
 def test_other_units(tmp_path):
-    si, = solve(tmp_path / "si", pair(1e-4) + cement(2e-4, 1e-9))[0]
+    (si,) = solve(tmp_path / "si", pair(1e-4) + cement(2e-4, 1e-9))[0]
     text = pair(1e-2, radius=0.5, half_box=(0.6, 0.6, 1.25), cement="inner 0.1 outer 0.2") + cement(2e-2, 1e-9, elastic=(60e10, 40e10, 0.25, 0.2, 18e10))
     text = edit(edit(edit(text, "units        si", "units cgs"), "density 2500", "density 2.5"), "neighbor     0.0005", "neighbor 0.05")
-    cgs, = solve(tmp_path / "cgs", text)[0]
-    assert cgs["tension"] == pytest.approx(1e3 * si["tension"], rel=1e-8)    # dyn/cm
+    (cgs,) = solve(tmp_path / "cgs", text)[0]
+    assert cgs["tension"] == pytest.approx(1e3 * si["tension"], rel=1e-8)  # dyn/cm
     assert cgs["bending_min"] == pytest.approx(1e7 * si["bending_min"], rel=1e-8)  # dyn cm
 
 
-BREAKING = (pair(1e-4) + cement(2e-4, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9")
-            + pull(2.0, 5e-7))
+BREAKING = pair(1e-4) + cement(2e-4, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9") + pull(2.0, 5e-7)
 
 
 def test_damage_and_what_is_broken(tmp_path):
@@ -147,8 +149,10 @@ def test_damage_and_what_is_broken(tmp_path):
 
 def test_nothing_else_changes(tmp_path):
     """Before a run and between runs: what comes after is bitwise identical."""
+
     def script(asks):
         return BREAKING + thermo(100, ["f_bond", "f_cem"]) + f"{asks}run 300\n{asks}run 300\n"
+
     tables = [run(script(asks), tmp_path / name, 2).table() for name, asks in (("with", "bond_stiffness k.csv\n"), ("without", ""))]
     for name in tables[0]:
         assert (tables[0][name] == tables[1][name]).all(), name
@@ -168,7 +172,11 @@ BAD = {
     "no file": ("bond_stiffness k.csv", "bond_stiffness", ["bond_stiffness:", "file name"]),
     "a word too many": ("bond_stiffness k.csv", "bond_stiffness k.csv pair", ["bond_stiffness:", "'pair'", "bond_stiffness FILE"]),
     "no such folder": ("bond_stiffness k.csv", "bond_stiffness no/k.csv", ["bond_stiffness:", "'no/k.csv'", "cannot be written", "check name and folder"]),
-    "the file of csv": ("bond_stiffness k.csv", "bond_stiffness ./t.csv", ["bond_stiffness:", "'./t.csv'", "'csv' of fix mpm/couple (id bond)", "name another"]),
+    "the file of csv": (
+        "bond_stiffness k.csv",
+        "bond_stiffness ./t.csv",
+        ["bond_stiffness:", "'./t.csv'", "'csv' of fix mpm/couple (id bond)", "name another"],
+    ),
     "no coupling": ("bond_stiffness k.csv", "unfix bond\nbond_stiffness k.csv", ["bond_stiffness:", "no fix mpm/couple", "define one before"]),
     "no fix mpm": ("bond_stiffness k.csv", "unfix bond\nunfix cem\nbond_stiffness k.csv", ["bond_stiffness:", "no fix mpm,", "define one before"]),
     "too early": ("create_cement", "bond_stiffness k.csv\ncreate_cement", ["bond_stiffness:", "no cement", "create_cement"]),

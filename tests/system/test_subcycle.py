@@ -15,14 +15,19 @@ SUMS = ["f_cem[2]", "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[8]", "f_cem[9]", 
 
 def breaking(n, word=None, more=""):
     """n steps of the cement in one of LIGGGHTS."""
-    return (BREAKING + cement(2e-4, n * STEP, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check {100 // n} subcycle {word or n} {more}")
-            + pull(0.5, 8e-6))
+    return (
+        BREAKING
+        + cement(2e-4, n * STEP, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check {100 // n} subcycle {word or n} {more}")
+        + pull(0.5, 8e-6)
+    )
 
 
 def test_one_is_none(tmp_path):
     """Bitwise identical."""
-    tables = [run(edit(breaking(1), " subcycle 1 ", words) + thermo(50, ["f_bond"] + SUMS) + "run 1000\n", tmp_path / str(k)).table()
-              for k, words in enumerate(["  ", " subcycle no ", " subcycle 1 "])]
+    tables = [
+        run(edit(breaking(1), " subcycle 1 ", words) + thermo(50, ["f_bond"] + SUMS) + "run 1000\n", tmp_path / str(k)).table()
+        for k, words in enumerate(["  ", " subcycle no ", " subcycle 1 "])
+    ]
     for t in tables[1:]:
         for name in t:
             assert (t[name] == tables[0][name]).all(), name
@@ -37,7 +42,10 @@ def test_breaking(more, tmp_path, figures):
     figures.below("work", abs(coarse["f_cem[11]"][-1] / fine["f_cem[11]"][-1] - 1), 5e-3)
     figures.below("imbalance", np.abs(coarse["f_cem[12]"]).max(), 1e-2)
     assert coarse["f_cem[19]"][-1] == 1 and fine["f_cem[19]"][-1] == 1
-    modes = [[line for line in (tmp_path / d / "in.test.out").read_text().splitlines() if "debonding" in line or "internal" in line or "mixed" in line] for d in ("fine", "coarse")]
+    modes = [
+        [line for line in (tmp_path / d / "in.test.out").read_text().splitlines() if "debonding" in line or "internal" in line or "mixed" in line]
+        for d in ("fine", "coarse")
+    ]
     assert [m.split(":")[0] for m in modes[0]] == [m.split(":")[0] for m in modes[1]]
 
 
@@ -46,8 +54,12 @@ def test_condensed(tmp_path, figures):
     text = (ROOT / "examples" / "two_clocks" / "in.two_clocks").read_text()
     peak = {}
     for word, step in (("auto", "4e-7"), ("no", "5e-8")):
-        result = launch(edit(text, "subcycle ${substeps}", f"condense yes subcycle {word}"), tmp_path, name=f"in.{word}",
-                        arguments=["-var", "side", "2", "-var", "step", step, "-var", "time", "4e-5", "-var", "rows", "100"])
+        result = launch(
+            edit(text, "subcycle ${substeps}", f"condense yes subcycle {word}"),
+            tmp_path,
+            name=f"in.{word}",
+            arguments=["-var", "side", "2", "-var", "step", step, "-var", "time", "4e-5", "-var", "rows", "100"],
+        )
         assert result.status == 0 and not result.errors(), result.output[-2000:]
         rows = [line.split(",") for line in (tmp_path / "bond.csv").read_text().splitlines()]
         tension, mode = (rows[0].index(name) for name in ("tension", "mode"))
@@ -74,7 +86,7 @@ def test_flight(tmp_path, figures):
     """Momentum to rounding, angular momentum as well as the positions of grains that oscillate are known; energy of grains and cement."""
     found = {}
     for n in (1, 8):
-        energy = ('compute k grains reduce sum v_kin\nvariable E equal c_k+f_cem[5]+f_cem\n')
+        energy = "compute k grains reduce sum v_kin\nvariable E equal c_k+f_cem[5]+f_cem\n"
         kin = 'variable kin atom "0.5*mass*(vx^2+vy^2+vz^2)+0.2*mass*0.005^2*(omegax^2+omegay^2+omegaz^2)"\n'
         text = edit(flying(n), "velocity     all set", kin + "velocity     all set") + MOMENTA + energy
         text = text.replace(CONTACT, "")
@@ -104,7 +116,12 @@ def test_restart(at, tmp_path):
 def test_auto(tmp_path, figures):
     """LIGGGHTS takes a step of the grains, the cement as many as it needs."""
     text = edit(flying(1, word="auto"), "subcycle auto", "subcycle auto timestep auto 0.5").replace(CONTACT, "").replace("density 250", "density 2500")
-    result = run(text + "thermo_style custom step dt f_cem[25]\nthermo 10\n" + 'variable d equal dt\nvariable n equal f_cem[25]\nrun 10\nprint "dt ${d}"\nprint "n ${n}"\n', tmp_path)
+    result = run(
+        text
+        + "thermo_style custom step dt f_cem[25]\nthermo 10\n"
+        + 'variable d equal dt\nvariable n equal f_cem[25]\nrun 10\nprint "dt ${d}"\nprint "n ${n}"\n',
+        tmp_path,
+    )
     dt, n = result.value("dt"), result.value("n")
     assert 4 < n < 50 and 3e-8 < dt / n < 7.5e-8, (dt, n)
     assert f"subcycle auto: {n:.0f} sub-steps" in result.output
@@ -112,10 +129,12 @@ def test_auto(tmp_path, figures):
 
 def test_auto_while_cement_softens(tmp_path, figures):
     """Damage leaves a longer stable step behind, but sub-steps stay as long as they were: a run in parts keeps its energy balance, and goes on bitwise from a file."""
-    fixes = (cement(4e-4, 2.1e-7, damage="damage mazars kappa0 3e-4 At 0.95 Bt 2e3 regularization nonlocal 4e-4 subcycle auto")
-             + "variable t equal step*dt\nvariable z equal 1e3*v_t*v_t\nvariable w equal 2e3*v_t\n"
-             + "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_z NULL NULL v_w\n"
-             + thermo(10, ["f_bond", "f_bond[18]", "f_cem[25]", "f_cem[5]", "f_cem[9]", "f_cem[12]"]))
+    fixes = (
+        cement(4e-4, 2.1e-7, damage="damage mazars kappa0 3e-4 At 0.95 Bt 2e3 regularization nonlocal 4e-4 subcycle auto")
+        + "variable t equal step*dt\nvariable z equal 1e3*v_t*v_t\nvariable w equal 2e3*v_t\n"
+        + "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_z NULL NULL v_w\n"
+        + thermo(10, ["f_bond", "f_bond[18]", "f_cem[25]", "f_cem[5]", "f_cem[9]", "f_cem[12]"])
+    )
     whole = run(pair(2e-4, gap=4e-4, half_box=(8e-3, 8e-3, 1.4e-2), cement="outer 1.5e-3") + fixes + "run 140\nwrite_restart r\nrun 60\n", tmp_path).table()
     again = run(restarted("r") + fixes + "run 60\n", tmp_path, name="in.again").table()
     rows = len(again["step"])
@@ -131,6 +150,7 @@ def test_free_pairs(ratio, n, tmp_path, figures):
     cement to light grains, whose accelerations take thousands of sweeps. More: tests/verification/subcycle_free_pairs.py."""
     sys.path.insert(0, str(ROOT / "tests" / "verification"))
     from subcycle_free_pairs import limits, swings
+
     density, sub, _ = limits(tmp_path, ratio)
     last, largest = swings(tmp_path / "run", density, n, 0.9 * sub, 2000)
     figures.below(f"grains of {ratio} times the mass of the cement, {n} sub-steps: energy of the last tenth over the first, less 1", abs(last - 1), 0.02)
@@ -139,7 +159,10 @@ def test_free_pairs(ratio, n, tmp_path, figures):
 
 def test_check_of_the_step(tmp_path, figures):
     """fix check/timestep/mpm with sub-steps: grains on their bonds limit the step, too. That of a free pair against its stiffness, as the command tells it."""
-    text = edit(flying(1, word=12), "timestep     1.6e-08", "timestep     4e-7").replace(CONTACT, "") + "bond_stiffness k.csv\nfix ts all check/timestep/mpm 5 cem 0.9\n"
+    text = (
+        edit(flying(1, word=12), "timestep     1.6e-08", "timestep     4e-7").replace(CONTACT, "")
+        + "bond_stiffness k.csv\nfix ts all check/timestep/mpm 5 cem 0.9\n"
+    )
     result = run(text + thermo(5, ["f_ts[1]", "f_ts[2]"]) + "run 5\n", tmp_path)
     names, row = (line.split(",") for line in (tmp_path / "k.csv").read_text().splitlines())
     K = np.array([[float(row[names.index(f"k{min(i, j)}{max(i, j)}")]) for j in range(1, 7)] for i in range(1, 7)])
@@ -164,8 +187,12 @@ def test_example(tmp_path, figures):
     script = (ROOT / "examples" / "two_clocks" / "in.two_clocks").read_text()
     peak, lines = {}, {}
     for word, step in (("auto", "4e-7"), ("no", "5e-8")):
-        result = launch(script, tmp_path, name=f"in.{word}", arguments=["-var", "side", "4", "-var", "step", step, "-var", "substeps", word, "-var", "time", "4e-5",
-                                                                      "-var", "rows", "100"])
+        result = launch(
+            script,
+            tmp_path,
+            name=f"in.{word}",
+            arguments=["-var", "side", "4", "-var", "step", step, "-var", "substeps", word, "-var", "time", "4e-5", "-var", "rows", "100"],
+        )
         assert result.status == 0 and not result.errors(), result.output[-2000:]
         rows = [line.split(",") for line in (tmp_path / "bond.csv").read_text().splitlines()]
         at = rows[0].index("tension")
@@ -180,6 +207,7 @@ def test_stability(figures):
     are found in each step feed no energy into an oscillation, either."""
     sys.path.insert(0, str(ROOT / "tests" / "verification"))
     from subcycle_stability import RATIOS, Scene, growth, swings
+
     most = swings([Scene(ratio, steps, share) for ratio, steps in ((10, 12), (100, 5), (1000, 17)) for share in (0.9, 0.5)], 10000).max()
     figures.below("speed of grains after 5000 steps over that of the first 1000", most, 1.3)
     steps = np.linspace(1, 40, 40)
@@ -200,7 +228,11 @@ BAD = {
     "a long step": ("timestep     1.28e-07", "timestep     1e-06", ["fix mpm (id cem)", "1e-06 exceeds the stable step", "of 8 sub-steps", "use 'timestep"]),
     "a long step, by itself": ("timestep     1.28e-07", "timestep     1e-03", ["fix mpm (id cem)", "'subcycle auto'", "at most 1000", "use 'timestep"]),
     "updated": ("subcycle 8", "subcycle 8 kinematics updated", ["fix mpm (id cem)", "'subcycle 8' does not go with 'kinematics updated'", "'subcycle no'"]),
-    "another integrator": ("motion grains nve/sphere", "motion grains nve/limit radius_ratio 0.1", ["fix mpm/couple (id bond)", "nve/limit", "'subcycle'", "nve/sphere"]),
+    "another integrator": (
+        "motion grains nve/sphere",
+        "motion grains nve/limit radius_ratio 0.1",
+        ["fix mpm/couple (id bond)", "nve/limit", "'subcycle'", "nve/sphere"],
+    ),
 }
 
 

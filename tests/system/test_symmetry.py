@@ -12,8 +12,12 @@ from scipy.spatial import cKDTree
 from scenes import RADIUS, cement, dump, pair, point_quantities, run, thermo
 
 CELL = 2e-4
-SHAPES = {"flat": ("flat", "inner 1e-3 outer 2e-3", 0.0), "meniscus": ("meniscus", "neck 1.6e-3 inner 8e-4", 0.0),
-          "meniscus across a gap": ("meniscus", "neck 1e-3", 5e-4), "coating": ("coating", "thickness 4e-4 cap 24 inner 8e-4", 0.0)}
+SHAPES = {
+    "flat": ("flat", "inner 1e-3 outer 2e-3", 0.0),
+    "meniscus": ("meniscus", "neck 1.6e-3 inner 8e-4", 0.0),
+    "meniscus across a gap": ("meniscus", "neck 1e-3", 5e-4),
+    "coating": ("coating", "thickness 4e-4 cap 24 inner 8e-4", 0.0),
+}
 DAMAGE = "damage tensor B0 9.6e6 cutoff 0.9 viscosity 1e-6"
 TENSORS = ["damage", "stress"]
 PARTS = ["xx", "yy", "zz", "yz", "xz", "xy"]
@@ -22,11 +26,13 @@ PARTS = ["xx", "yy", "zz", "yz", "xz", "xy"]
 def apart(speed, ramp):
     """Both grains, in opposite directions, each at half the speed."""
     x, half = f"v_t/{ramp}", 0.5 * speed
-    return (f"variable t equal step*dt\n"
-            f'variable v equal "(v_t<{ramp})*0.5*{half}*(1-cos(PI*{x}))+(v_t>={ramp})*{half}"\n'
-            f'variable d equal "(v_t<{ramp})*0.5*{half}*(v_t-{ramp}/PI*sin(PI*{x}))+(v_t>={ramp})*{half}*(v_t-0.5*{ramp})"\n'
-            "variable w equal -v_v\nvariable c equal -v_d\n"
-            "fix down first move variable NULL NULL v_c NULL NULL v_w\nfix up second move variable NULL NULL v_d NULL NULL v_v\n")
+    return (
+        f"variable t equal step*dt\n"
+        f'variable v equal "(v_t<{ramp})*0.5*{half}*(1-cos(PI*{x}))+(v_t>={ramp})*{half}"\n'
+        f'variable d equal "(v_t<{ramp})*0.5*{half}*(v_t-{ramp}/PI*sin(PI*{x}))+(v_t>={ramp})*{half}*(v_t-0.5*{ramp})"\n'
+        "variable w equal -v_v\nvariable c equal -v_d\n"
+        "fix down first move variable NULL NULL v_c NULL NULL v_w\nfix up second move variable NULL NULL v_d NULL NULL v_v\n"
+    )
 
 
 def fields(points, start):

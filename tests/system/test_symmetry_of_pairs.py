@@ -33,11 +33,13 @@ def scene(kind, n, along, steps, damage, place=(0, 0, 0), swapped=False, every=5
     text = host() + "region box block -0.03 0.03 -0.03 0.03 -0.03 0.03 units box\ncreate_box 2 box\n"
     for side in (1, -1) if swapped else (-1, 1):
         text += "create_atoms 1 single " + " ".join(f"{c:.17g}" for c in np.array(place) + side * (RADIUS + gap / 2) * unit(n)) + " units box\n"
-    text += (f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
-             + f"create_cement calcite pair 1 2 shape {shape} {in_cells(words)} spacing {SPACING}\n")
+    text += (
+        f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n"
+        + NEIGHBOURS
+        + f"create_cement calcite pair 1 2 shape {shape} {in_cells(words)} spacing {SPACING}\n"
+    )
     # Dampers, since rounding feeds the fastest vibration of the links, which nothing else would take.
-    fixes = cement(2 * SPACING, 1.2e-8, axis="radial", damage=f"damage tensor B0 9.6e6 cutoff 0.9 {damage} cracks split",
-                   couple="kn auto kt auto damping 0.1")
+    fixes = cement(2 * SPACING, 1.2e-8, axis="radial", damage=f"damage tensor B0 9.6e6 cutoff 0.9 {damage} cracks split", couple="kn auto kt auto damping 0.1")
     if swapped:
         fixes = edit(edit(fixes, "first id 1", "first id 2"), "second id 2", "second id 1")
     return text + fixes + pull(12.0, 4e-6, unit(along)) + thermo(every, FORCES + SHARES + REST) + f"run {steps}\n"
@@ -75,9 +77,11 @@ def turn_onto(axis, n):
 
 
 PLACES = [(0.01, 0, 0.003), (1.1e-3, -2.3e-3, 5.7e-3), (-7.7e-3, 3.1e-3, 9.1e-3), (-0.00944882, 0.00507026, 0.00076287)]
-MOVES = ([(f"at {p}", np.eye(3), p) for p in PLACES]
-         + [(f"mirrored across {'xyz'[d]}", mirror(d), (0, 0, 0)) for d in range(3)]
-         + [(f"turned about {'xyz'[d]}", quarter_turn(d), PLACES[1]) for d in range(3)])
+MOVES = (
+    [(f"at {p}", np.eye(3), p) for p in PLACES]
+    + [(f"mirrored across {'xyz'[d]}", mirror(d), (0, 0, 0)) for d in range(3)]
+    + [(f"turned about {'xyz'[d]}", quarter_turn(d), PLACES[1]) for d in range(3)]
+)
 # Along (1,0,1) points lie in the very middle, as near to the one grain as to the other.
 DIAGONAL, ACROSS = (1, 0, 1), (1, 0.8, 1)
 
@@ -116,9 +120,16 @@ def test_axes_of_the_box(words, limit, tmp_path, figures):
 
 
 # The axis of the box nearest to each, of equally near ones the first: that of the pair which is the same.
-@pytest.mark.parametrize("n, nearest", [pytest.param((1, 2, 3), (0, 0, 1), marks=pytest.mark.long), ((1, 1, 1), (1, 0, 0)), ((-3, 1, 2), (-1, 0, 0)),
-                                        pytest.param((0.3, -1, 0), (0, -1, 0), marks=pytest.mark.long)],
-                         ids=["123", "111", "-312", "in a plane"])
+@pytest.mark.parametrize(
+    "n, nearest",
+    [
+        pytest.param((1, 2, 3), (0, 0, 1), marks=pytest.mark.long),
+        ((1, 1, 1), (1, 0, 0)),
+        ((-3, 1, 2), (-1, 0, 0)),
+        pytest.param((0.3, -1, 0), (0, -1, 0), marks=pytest.mark.long),
+    ],
+    ids=["123", "111", "-312", "in a plane"],
+)
 def test_any_direction(n, nearest, tmp_path, figures):
     """Forces, shares and sums of a skew pair, with gravity across it, are those of one along an axis, rotated."""
     R, along, g = turn_onto(np.array(nearest, float), unit(n)), np.array([0.4, 0.8, 0.9]), np.array([3e4, -2e4, 1e4])
@@ -217,18 +228,24 @@ def opens_and_slides(R):
     text = host() + "region box block -0.013 0.013 -0.013 0.013 -0.013 0.013 units box\ncreate_box 2 box\n"
     for place in ("-0.00505", "0.00205"):
         text += "create_atoms 1 single " + " ".join(along(place, "0", nothing="0")) + " units box\n"
-    text += ("group grains type 1\ngroup small id 2\nset type 1 diameter 0.01 density 2500\nset group small diameter 0.004\n" + NEIGHBOURS
-             + "create_cement calcite pair 1 2 shape flat outer 1.2e-3 inner auto spacing 1.25e-4\n"
-             + cement(2.5e-4, 6e-9, axis="radial", damage="damage tensor B0 2e3", couple="friction 0"))
+    text += (
+        "group grains type 1\ngroup small id 2\nset type 1 diameter 0.01 density 2500\nset group small diameter 0.004\n"
+        + NEIGHBOURS
+        + "create_cement calcite pair 1 2 shape flat outer 1.2e-3 inner auto spacing 1.25e-4\n"
+        + cement(2.5e-4, 6e-9, axis="radial", damage="damage tensor B0 2e3", couple="friction 0")
+    )
     way, period, opens, every = 1e-6, 1.2e-5, 6e-7, 8e-6
-    text += (f"variable t equal step*dt\nvariable x equal {way}*(1-cos(2*PI*v_t/{period}))\nvariable u equal {way}*2*PI/{period}*sin(2*PI*v_t/{period})\n"
-             f"variable z equal {opens}*sin(2*PI*v_t/{every})^3\nvariable w equal {opens}*6*PI/{every}*sin(2*PI*v_t/{every})^2*cos(2*PI*v_t/{every})\n"
-             "fix hold first move linear 0 0 0\nfix go second move variable " + " ".join(along("v_z", "v_x") + along("v_w", "v_u")) + "\n")
+    text += (
+        f"variable t equal step*dt\nvariable x equal {way}*(1-cos(2*PI*v_t/{period}))\nvariable u equal {way}*2*PI/{period}*sin(2*PI*v_t/{period})\n"
+        f"variable z equal {opens}*sin(2*PI*v_t/{every})^3\nvariable w equal {opens}*6*PI/{every}*sin(2*PI*v_t/{every})^2*cos(2*PI*v_t/{every})\n"
+        "fix hold first move linear 0 0 0\nfix go second move variable " + " ".join(along("v_z", "v_x") + along("v_w", "v_u")) + "\n"
+    )
     return text + thermo(25, FORCES + REST) + "run 600\n"
 
 
 def test_friction(tmp_path, figures):
     """Contact points are remapped to other material points, of which several are equally near. None of them comes first."""
+
     def forces_of(R):
         done = run(opens_and_slides(R), tmp_path)
         return forces(done), done.table()["f_cem[2]"]
@@ -254,8 +271,11 @@ def tetrahedron(place):
         text += "create_atoms 1 single " + " ".join(f"{c:.17g}" for c in x) + " units box\n"
     text += f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
     text += f"create_cement calcite contacts grains gap 1e-5 shape {FLAT[0]} {in_cells(FLAT[1])} spacing {SPACING}\n"
-    fixes = edit(cement(2 * SPACING, 1.2e-8, axis="radial", damage=f"damage tensor B0 9.6e6 cutoff 0.9 {VISCOUS}",
-                        couple="kn auto kt auto damping 0.1"), "second id 2", "second id 4")
+    fixes = edit(
+        cement(2 * SPACING, 1.2e-8, axis="radial", damage=f"damage tensor B0 9.6e6 cutoff 0.9 {VISCOUS}", couple="kn auto kt auto damping 0.1"),
+        "second id 2",
+        "second id 4",
+    )
     columns = [f"f_bond[{b}][{c}]" for b in range(1, 7) for c in range(1, 13)]
     return text + edit(fixes, "first id 1", "first id 1:3") + pull(12.0, 4e-6, unit((1, 2, 3))) + thermo(50, ["f_cem[2]"] + columns) + "run 650\n"
 
@@ -266,13 +286,16 @@ def test_across_a_periodic_boundary(tmp_path, figures):
         t = run(tetrahedron(place), tmp_path).table()
         rows.append(np.column_stack([t[f"f_bond[{b}][{c}]"] for b in range(1, 7) for c in (1, 2, 3, 7, 8, 9)]))
         assert t["f_cem[2]"][-1] > 100
-    figures.below("six bonds of fcc, within the box and across its boundaries: force over the peak", abs(rows[0] - rows[1]).max() / abs(rows[0]).max(),
-                  1e-9)
+    figures.below("six bonds of fcc, within the box and across its boundaries: force over the peak", abs(rows[0] - rows[1]).max() / abs(rows[0]).max(), 1e-9)
 
 
 # Shape, line of centres, direction of the pull, steps. All separate within them.
-SWAPPED = {"flat": (FLAT, (0, 0, 1), (0, 0, 1), 450, ""), "flat along (1,0,1)": (FLAT, DIAGONAL, DIAGONAL, 450, ""),
-           "meniscus": (MENISCUS, (0, 0, 1), (0.64, 0, 0.77), 750, VISCOUS), "coating": (COATING, (0, 0, 1), (0, 0, 1), 400, "")}
+SWAPPED = {
+    "flat": (FLAT, (0, 0, 1), (0, 0, 1), 450, ""),
+    "flat along (1,0,1)": (FLAT, DIAGONAL, DIAGONAL, 450, ""),
+    "meniscus": (MENISCUS, (0, 0, 1), (0.64, 0, 0.77), 750, VISCOUS),
+    "coating": (COATING, (0, 0, 1), (0, 0, 1), 400, ""),
+}
 
 
 def report(output):
@@ -302,8 +325,11 @@ HOLDING = {"meniscus": 560, "meniscus, nearly apart": 620, "coating": 220, "coat
 
 def ahead(output):
     """Share and points of the weakest section that is left, of how many, mode of a crack through it, its shares."""
-    found = re.findall(r"bond 1 of grains 1 and 2: intact, .*; (\S+) % of its weakest section is left \((\d+) of (\d+) points\), and a crack "
-                       r"through that would be (\w+); of the separating surface (\S+) % at the first grain, (\S+) % at the second, (\S+) %", output)
+    found = re.findall(
+        r"bond 1 of grains 1 and 2: intact, .*; (\S+) % of its weakest section is left \((\d+) of (\d+) points\), and a crack "
+        r"through that would be (\w+); of the separating surface (\S+) % at the first grain, (\S+) % at the second, (\S+) %",
+        output,
+    )
     return list(found[-1])
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import cement, edit, executable, launch, pair, pull, restarted, run, thermo
+from scenes import cement, edit, executable, launch, pair, restarted, run, thermo
 
 CELL, SPACING = 4e-4, 2e-4
 FIXES = cement(CELL, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 check 20 events events.csv", couple="kn auto kt auto csv 7 bond.csv")
@@ -174,7 +174,9 @@ def test_places_and_names(tmp_path):
     assert more.status != 0
 
 
-@pytest.mark.parametrize("words, ranks", [("", 1), ("", 2), ("condense yes wake 0.7", 1), ("condense yes wake 0.7", 2), ("subcycle 4", 1), ("condense yes wake 0.7 subcycle 4", 2)])
+@pytest.mark.parametrize(
+    "words, ranks", [("", 1), ("", 2), ("condense yes wake 0.7", 1), ("condense yes wake 0.7", 2), ("subcycle 4", 1), ("condense yes wake 0.7 subcycle 4", 2)]
+)
 def test_peak_is_that_of_every_step(words, ranks, tmp_path, figures):
     """A bond that swings and then fails: its largest tension is that of every step, however seldom a row asks for it, and over a restart."""
     dt, steps = (8e-9, 300) if "subcycle" in words else (2e-9, 1200)
@@ -185,9 +187,15 @@ def test_peak_is_that_of_every_step(words, ranks, tmp_path, figures):
     assert "condense" not in words or 0 < each["v_awake"].argmax() < steps / 2, "the bond is to wake on its way"
     tension, half = each["f_bond[14]"][1:], steps // 2
     assert 0 < tension.argmax() < steps - 1
-    seldom = run(start + f"run {half}\nwrite_restart half.restart\n" + thermo(steps, ["f_bond[21]"]) + f"run {steps - half}\n", tmp_path / "seldom", ranks).table()
+    seldom = run(
+        start + f"run {half}\nwrite_restart half.restart\n" + thermo(steps, ["f_bond[21]"]) + f"run {steps - half}\n", tmp_path / "seldom", ranks
+    ).table()
     parted = run(restarted("../seldom/half.restart") + fixes + thermo(steps, ["f_bond[21]"]) + f"run {steps - half}\n", tmp_path / "parted", ranks).table()
     most = tension.max()
     for what, found in (("each step", each), ("the end", seldom), ("the end after a restart", parted)):
-        figures.below(f"{words or 'one clock'}, {ranks} ranks: peak_tension asked for at {what}, off the largest tension, over it", abs(found["f_bond[21]"][-1] / most - 1), 6e-15)
+        figures.below(
+            f"{words or 'one clock'}, {ranks} ranks: peak_tension asked for at {what}, off the largest tension, over it",
+            abs(found["f_bond[21]"][-1] / most - 1),
+            6e-15,
+        )
     assert (np.diff(each["f_bond[21]"][1:]) >= 0).all()

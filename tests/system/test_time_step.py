@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, cement, edit, launch, pair, pull, restarted, run, shift, thermo
+from scenes import CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, cement, edit, launch, pair, pull, restarted, run, thermo
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 CELL = 2e-4
@@ -39,8 +39,7 @@ def limits(tmp_path_factory, limit):
 @pytest.mark.parametrize("share", [0.5, 0.9, 0.98])
 def test_stable_below_the_limit(share, order, limits, tmp_path):
     scene = edit(edit(SCENE, "timestep     1e-09", f"timestep {share * limits[order]}"), "mpm cell 0.0002", f"mpm cell 0.0002 mass_order {order}")
-    t = run(scene + thermo(50, ["f_cem[5]", "f_cem[12]", "f_cem[11]"])
-            + "run 3000\n", tmp_path).table()
+    t = run(scene + thermo(50, ["f_cem[5]", "f_cem[12]", "f_cem[11]"]) + "run 3000\n", tmp_path).table()
     assert np.isfinite(t["f_cem[5]"]).all() and abs(t["f_cem[12]"]).max() < 0.01
 
 
@@ -52,12 +51,16 @@ def test_stopped_above_the_limit(share, limit, tmp_path):
 
 def test_new_reference(tmp_path, figures):
     """Linear hat functions have another limit for each position of the points: the run stops when a new reference moves them to a worse one."""
+
     def drag(words):
         script = pair(CELL / 2) + edit(cement(CELL, 1e-9), "mpm cell 0.0002", f"mpm cell 0.0002 basis linear {words}")
         way = CELL / 2
-        script += ("variable t equal step*dt\n" 'variable r equal "(v_t<4e-6)*v_t/4e-6+(v_t>=4e-6)"\n'
-                   f'variable d equal "{way}*(v_r-sin(2*PI*v_r)/2/PI)"\nvariable v equal "{way / 4e-6}*(1-cos(2*PI*v_r))"\n'
-                   "variable o equal 0\nfix both grains move variable v_d v_d v_o v_v v_v v_o\n")
+        script += (
+            "variable t equal step*dt\n"
+            'variable r equal "(v_t<4e-6)*v_t/4e-6+(v_t>=4e-6)"\n'
+            f'variable d equal "{way}*(v_r-sin(2*PI*v_r)/2/PI)"\nvariable v equal "{way / 4e-6}*(1-cos(2*PI*v_r))"\n'
+            "variable o equal 0\nfix both grains move variable v_d v_d v_o v_v v_v v_o\n"
+        )
         return launch(script + thermo(50, ["f_cem[5]"]) + "run 1000\n", tmp_path)
 
     result = drag("timestep auto 0.98 reproject auto 1e-7")
@@ -73,9 +76,14 @@ def test_new_reference(tmp_path, figures):
 
 def test_auto_goes_to_other_fixes(tmp_path, limit):
     """`fix move` and `fix nve/sphere`, defined before and after, use the step that was found."""
-    script = auto(0.9).replace("fix          cem", "group one id 1\nfix early one nve/sphere\nfix          cem").replace("fix hold first move linear 0 0 0\n", "")
-    t = run(script + thermo(1, ["dt", "f_bond[13]"]) + "variable z2 equal z[2]\nvariable want equal v_dz\nrun 100\n"
-            "variable err equal \"abs(v_z2-0.005-v_want)/v_want\"\nprint \"ERR ${err}\"\n", tmp_path)
+    script = (
+        auto(0.9).replace("fix          cem", "group one id 1\nfix early one nve/sphere\nfix          cem").replace("fix hold first move linear 0 0 0\n", "")
+    )
+    t = run(
+        script + thermo(1, ["dt", "f_bond[13]"]) + "variable z2 equal z[2]\nvariable want equal v_dz\nrun 100\n"
+        'variable err equal "abs(v_z2-0.005-v_want)/v_want"\nprint "ERR ${err}"\n',
+        tmp_path,
+    )
     assert t.value("ERR") < 1e-6
     assert abs(t.table()["dt"][-1] / (0.9 * limit) - 1) < 1e-4  # which free grains do not change
 
@@ -94,7 +102,7 @@ def test_auto_keeps_a_stable_step(tmp_path):
     first = re.search(r"```liggghts\n(.*?)```", README.read_text(), re.S)[1]
     for old, new in (("timestep     1.5e-8\n", ""), ("B0 9.6e3\n", "B0 9.6e3 timestep auto 0.9\n")):
         first = edit(first, old, new)
-    result = run(first[:first.index("run          400")] + thermo(50, ["dt", "v_apart"]) + "run 150\n" + 4 * "run 100\n", tmp_path)
+    result = run(first[: first.index("run          400")] + thermo(50, ["dt", "v_apart"]) + "run 150\n" + 4 * "run 100\n", tmp_path)
     t = result.table()
     assert t["v_apart"][-1] == 1 and (t["dt"] == t["dt"][0]).all()
     limits = [float(x) for x in re.findall(r"the limit is now (\S+),", result.output)]
@@ -113,14 +121,16 @@ def test_auto_of_a_restart(tmp_path):
 
 @pytest.mark.parametrize("words, share", [("", 0.8), ("mass_order 2", 0.75), ("unilateral yes", 0.6)])
 def test_auto_warns_of_splits(words, share, tmp_path):
-    script = pair(CELL / 2) + edit(cement(CELL, 1e-9, damage="damage tensor B0 9.6e3 cutoff 0.9"), "mpm cell 0.0002", f"mpm cell 0.0002 timestep auto 0.81 cracks split {words}")
+    script = pair(CELL / 2) + edit(
+        cement(CELL, 1e-9, damage="damage tensor B0 9.6e3 cutoff 0.9"), "mpm cell 0.0002", f"mpm cell 0.0002 timestep auto 0.81 cracks split {words}"
+    )
     assert f"use 'timestep auto {share}' or less" in run(script + "fix hold grains freeze\n" + 2 * "run 1\n", tmp_path).output
 
 
 def test_auto_and_the_order_of_fixes(tmp_path):
     """`fix move` and `fix nve/sphere` between fix mpm and fix mpm/couple use the step too."""
     couple = next(line for line in SCENE.splitlines(True) if "mpm/couple" in line)
-    moving = ("group first id 1\ngroup second id 2\nfix pull second move linear 0 0 0.01\nfix free first nve/sphere\n")
+    moving = "group first id 1\ngroup second id 2\nfix pull second move linear 0 0 0.01\nfix free first nve/sphere\n"
     head = pair(CELL / 2) + edit(cement(CELL, 1e-9), "mpm cell 0.0002", "mpm cell 0.0002 timestep auto 0.9")
     head = edit(head, couple, "COUPLE").replace("group        first id 1\ngroup        second id 2\n", "")
     look = "variable z1 equal z[1]\nvariable z2 equal z[2]\n" + thermo(20, ["dt", "f_bond[13]", "f_bond[14]", "f_cem[12]", "v_z1", "v_z2"])
@@ -144,10 +154,12 @@ def test_check_timestep(act, status, tmp_path):
 def test_quasistatic(tmp_path, figures):
     """Ten times fewer steps to the same peak force. The law is viscous: without a time of its own
     cement that softens fails at a force that falls with the speed of the pull, however slow."""
+
     def peak(words, dt):
         steps = 200 * round(4e-5 / dt / 200)
-        script = pair(CELL / 2, cement="inner 1e-3 outer 1.3e-3") + edit(cement(CELL, dt, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9 viscosity 5e-6"),
-                                       "mpm cell 0.0002", f"mpm cell 0.0002 {words}")
+        script = pair(CELL / 2, cement="inner 1e-3 outer 1.3e-3") + edit(
+            cement(CELL, dt, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9 viscosity 5e-6"), "mpm cell 0.0002", f"mpm cell 0.0002 {words}"
+        )
         script += pull(0.5, 3.2e-5) + thermo(steps // 200, ["f_bond", "f_bond[21]", "f_cem[5]", "f_cem[6]"]) + f"run {steps}\n"
         t = run(script, tmp_path / (words.replace(" ", "_") or "plain")).table()
         at = t["f_bond"].argmax()
@@ -164,30 +176,39 @@ def test_quasistatic(tmp_path, figures):
 @pytest.mark.parametrize("density", [25, 1])
 def test_damping_that_light_free_grains_admit(tmp_path, figures, density):
     """The damping that the warning advises leaves nine tenths of the step without damping; the one of the script leaves less than unscaled inertia does."""
+
     def step(words, **where):
-        script = edit(pair(CELL / 2), "density 2500", f"density {density}") + edit(cement(CELL, 1e-9), "mpm cell 0.0002", f"mpm cell 0.0002 timestep auto 1 {words}")
+        script = edit(pair(CELL / 2), "density 2500", f"density {density}") + edit(
+            cement(CELL, 1e-9), "mpm cell 0.0002", f"mpm cell 0.0002 timestep auto 1 {words}"
+        )
         out = run(script + "fix motion grains nve/sphere\nrun 0\n", tmp_path).output
         return float(re.search(r"timestep auto: (\S+),", out).group(1)), re.findall(r"WARNING.*use 'quasistatic 100 (\S+)'", out)
 
     plain, free, (damped, advice) = step("")[0], step("quasistatic 100 0")[0], step("quasistatic 100 0.2")
     assert damped < plain and len(advice) == 1
     admitted, none = step(f"quasistatic 100 {advice[0]}")
-    figures.below(f"grains of density {density}: step with the damping that is advised, over 0.9 of that without, minus 1", abs(admitted / free / 0.9 - 1), 1e-4)
+    figures.below(
+        f"grains of density {density}: step with the damping that is advised, over 0.9 of that without, minus 1", abs(admitted / free / 0.9 - 1), 1e-4
+    )
     assert not none and abs(free / plain / 10 - 1) < 1e-3
 
 
 def test_a_fragment_is_damped_with_no_grain(tmp_path, figures):
     """Both grains debond and leave to either side: neither draws the fragment in the middle along."""
-    script = pair(CELL / 2) + edit(cement(CELL, 1e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3 interface 0.1"),
-                                   "mpm cell 0.0002", "mpm cell 0.0002 timestep auto 0.9 quasistatic 1 1 check 50")
-    script += ("variable zz equal 0.2*step*dt*step*dt/4e-6\nvariable w equal 0.4*step*dt/4e-6\n"
-               "variable zm equal -v_zz\nvariable wm equal -v_w\n"
-               "fix hold first move variable NULL NULL v_zm NULL NULL v_wm\nfix pull second move variable NULL NULL v_zz NULL NULL v_w\n")
+    script = pair(CELL / 2) + edit(
+        cement(CELL, 1e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3 interface 0.1"),
+        "mpm cell 0.0002",
+        "mpm cell 0.0002 timestep auto 0.9 quasistatic 1 1 check 50",
+    )
+    script += (
+        "variable zz equal 0.2*step*dt*step*dt/4e-6\nvariable w equal 0.4*step*dt/4e-6\n"
+        "variable zm equal -v_zz\nvariable wm equal -v_w\n"
+        "fix hold first move variable NULL NULL v_zm NULL NULL v_wm\nfix pull second move variable NULL NULL v_zz NULL NULL v_w\n"
+    )
     t = run(script + thermo(50, ["f_bond[16]", "f_bond[22]", "f_cem[15]", "v_w"]) + "run 600\n", tmp_path).table()
     assert t["f_bond[16]"][-1] == 0 and t["f_bond[22]"][-1] == 1
     mass = 2710 * np.pi / (2 * RADIUS) * (2e-3**4 - 1e-3**4)
-    figures.below("loose piece between grains that leave: its speed over theirs",
-                  abs(t["f_cem[15]"][-1]) / (mass * t["v_w"][-1]), 0.01)
+    figures.below("loose piece between grains that leave: its speed over theirs", abs(t["f_cem[15]"][-1]) / (mass * t["v_w"][-1]), 0.01)
 
 
 @pytest.mark.parametrize("basis", ["quadratic", "cubic"])
@@ -195,11 +216,16 @@ def test_points_that_move(basis, tmp_path):
     """Points of `updated` come to other positions in the cells. So the step holds for points anywhere, wherever they start."""
     steps = []
     for place in ("0 0 0", "5e-5 2e-5 3e-5", "1e-4 1e-4 1e-4"):
-        text = edit(pair(CELL / 2), "spacing 0.0001", f"spacing 0.0001 grid {place}") + edit(cement(CELL, 1e-9), "mpm cell 0.0002", f"mpm cell 0.0002 basis {basis} kinematics updated timestep auto 1")
+        text = edit(pair(CELL / 2), "spacing 0.0001", f"spacing 0.0001 grid {place}") + edit(
+            cement(CELL, 1e-9), "mpm cell 0.0002", f"mpm cell 0.0002 basis {basis} kinematics updated timestep auto 1"
+        )
         out = run(text + "fix hold grains move linear 0 0 0\nrun 1\n", tmp_path).output
         steps.append(float(re.search(r"timestep auto: (\S+),", out).group(1)))
     assert steps[0] == steps[1] == steps[2], steps
-    longer = launch(edit(text, "timestep     1e-09", f"timestep {1.01 * steps[0]:.15g}").replace("timestep auto 1", "") + "fix hold grains move linear 0 0 0\nrun 1\n", tmp_path)
+    longer = launch(
+        edit(text, "timestep     1e-09", f"timestep {1.01 * steps[0]:.15g}").replace("timestep auto 1", "") + "fix hold grains move linear 0 0 0\nrun 1\n",
+        tmp_path,
+    )
     assert longer.status != 0 and "exceeds the stable step" in longer.errors()[0], longer.output[-500:]
 
 
@@ -221,6 +247,10 @@ def test_another_step_keeps_momentum(dt, tmp_path, figures):
 def test_check_sees_grains_that_become_free(tmp_path):
     """With sub-steps the limit of grains on their bonds is found anew when grains are free that were held."""
     text = edit(pair(CELL / 2), "density 2500", "density 25") + edit(cement(CELL, 1e-7), "mpm cell 0.0002", "mpm cell 0.0002 subcycle 50")
-    text += "fix ts all check/timestep/mpm 5 cem 0.9\nfix hold grains move linear 0 0 0\n" + thermo(5, ["f_ts[2]"]) + "run 5\nunfix hold\nfix free grains nve/sphere\nrun 5\n"
+    text += (
+        "fix ts all check/timestep/mpm 5 cem 0.9\nfix hold grains move linear 0 0 0\n"
+        + thermo(5, ["f_ts[2]"])
+        + "run 5\nunfix hold\nfix free grains nve/sphere\nrun 5\n"
+    )
     limit = run(text, tmp_path).table()["f_ts[2]"]
     assert limit[-1] < 0.2 * limit[0], limit

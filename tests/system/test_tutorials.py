@@ -47,7 +47,7 @@ STEPS = {
 FAILING = {
     # radii of ParScale's own LIGGGHTS; the next one needs the ParScale library
     "ParScale/heatTransferBed_paScal/in.liggghts": "invalid radius random style",
-    "ParScale/fluidizedBedTempParScale/in.liggghts_run": "Invalid fix style: \"couple/pascal\"",
+    "ParScale/fluidizedBedTempParScale/in.liggghts_run": 'Invalid fix style: "couple/pascal"',
     "contactModels/in.oldModels": "Invalid pair style",  # syntax of LIGGGHTS 2
     "superquadric/in.particle_particle": "Invalid atom style",  # built without superquadrics
 }
@@ -102,8 +102,7 @@ def tutorials(tmp_path_factory):
             complaint = "no answer"
         beside = folder / TARBALL
         if not beside.exists():
-            pytest.skip(f"no tutorials: {TARBALL} is not beside the executable, and Debian's archive is out of reach: "
-                        + complaint[-500:])
+            pytest.skip(f"no tutorials: {TARBALL} is not beside the executable, and Debian's archive is out of reach: " + complaint[-500:])
     with tarfile.open(beside) as source:
         source.extractall(folder, [m for m in source if m.name.startswith(FOLDER)])
     return folder / FOLDER
@@ -111,8 +110,9 @@ def tutorials(tmp_path_factory):
 
 def shortened(text, steps):
     runs = re.findall(r"^\s*run\s", text, re.M)
-    text, changed = re.subn(r"^(\s*run\s+)(\d+|\$\{\w+\})( +upto\b)?",
-                            lambda m: f"{m[1]}{min(int(m[2]), steps) if m[2].isdigit() else steps}", text, flags=re.M)
+    text, changed = re.subn(
+        r"^(\s*run\s+)(\d+|\$\{\w+\})( +upto\b)?", lambda m: f"{m[1]}{min(int(m[2]), steps) if m[2].isdigit() else steps}", text, flags=re.M
+    )
     assert changed == len(runs), "a run command of an unknown form"
     # The limit that check/timestep/gran reports is known at its own steps only.
     every = r"\2" if "check/timestep/gran" in text else "100"
@@ -156,8 +156,7 @@ def run_both(programs, tutorials, directory, name, ranks, steps):
             if p.poll() is None:
                 os.killpg(p.pid, signal.SIGKILL)
                 p.wait()
-    return [(p.returncode, (directory / label / f"{script}.out").read_text(errors="replace"))
-            for p, label in zip(processes, programs)]
+    return [(p.returncode, (directory / label / f"{script}.out").read_text(errors="replace")) for p, label in zip(processes, programs)]
 
 
 def cases(table):
@@ -172,7 +171,7 @@ def test_none_is_left_out(tutorials):
 @pytest.mark.parametrize("name, ranks", cases(STEPS))
 def test_same_output(name, ranks, stock, tutorials, tmp_path, figures):
     # Two ranks change nothing but the order of sums and the communication, and take their time.
-    divisor = ranks ** 2
+    divisor = ranks**2
     programs = {"liggghts": stock, "liggghts-mpdem": executable()}
     for script in [BEFORE[name]] if name in BEFORE else []:
         run_both(programs, tutorials, tmp_path, script, ranks, STEPS[script] // divisor)

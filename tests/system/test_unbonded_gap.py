@@ -7,7 +7,7 @@ import shutil
 
 import numpy as np
 import pytest
-from scenes import (CONTACT, MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, launch, pair, point_quantities, pull, restarted, run, thermo)
+from scenes import CONTACT, MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, launch, pair, point_quantities, pull, restarted, run, thermo
 
 CELL, ASKEW = 2e-4, (0.3, -0.2, 1.0)
 SHELLS = dict(direction=ASKEW, shape="coating", cement="thickness 4e-4 cap 24 inner 8e-4", half_box=3 * (12.5e-3,))
@@ -23,8 +23,14 @@ def pulled(words=""):
 
 
 def script(processors="* * *", words=""):
-    return (pair(CELL / 2, processors=processors, **SHELLS) + CONTACT + pulled(words) + f"run {BEFORE}\nwrite_restart middle.restart\n"
-            + dump(AFTER, COLUMNS[1:]) + f"run {AFTER}\n")
+    return (
+        pair(CELL / 2, processors=processors, **SHELLS)
+        + CONTACT
+        + pulled(words)
+        + f"run {BEFORE}\nwrite_restart middle.restart\n"
+        + dump(AFTER, COLUMNS[1:])
+        + f"run {AFTER}\n"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +59,7 @@ def test_restart(one_rank, tmp_path, figures):
     different = [c for c in p if (p[c] != q[c]).any()]
     assert p["c_failed"].sum() > 100 and not different, different
     for name, column in other.table().items():
-        assert (one_rank.table()[name][-AFTER // EVERY - 1:] == column).all(), name
+        assert (one_rank.table()[name][-AFTER // EVERY - 1 :] == column).all(), name
     figures.note("shells askew, restart while points fail", f"{len(p)} columns bitwise equal")
 
 
@@ -67,10 +73,16 @@ def test_other_restart_edge(one_rank, tmp_path):
 def test_after_it_separated(tmp_path, figures):
     """Free grains fly away; pieces ring, but nothing pulls across the crack, and momenta are kept."""
     leaving = "velocity second set 0.3 -0.2 1\nfix motion grains nve/sphere\n"
-    table = run(pair(CELL / 2, **{**SHELLS, "half_box": 3 * (16e-3,)})
-                + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
-                + leaving + MOMENTA + thermo(20, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"]) + "run 4000\n",
-                tmp_path, ranks=2).table()
+    table = run(
+        pair(CELL / 2, **{**SHELLS, "half_box": 3 * (16e-3,)})
+        + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
+        + leaving
+        + MOMENTA
+        + thermo(20, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"])
+        + "run 4000\n",
+        tmp_path,
+        ranks=2,
+    ).table()
     force = table["f_bond"]
     assert table["f_bond[17]"][-1] > 500 and table["f_bond[22]"][-1] == 1, table["f_bond[17]"][-1]
     assert abs(force[-120:].mean()) < 0.05 * force.max(), force[-120:] / force.max()
@@ -108,12 +120,21 @@ def test_a_side_of_the_gap_on_each_rank(tmp_path, figures):
     results = []
     for ranks, processors in ((1, "1 1 1"), (2, "1 1 2")):
         scene = pair(CELL / 2, processors=processors, **{**SHELLS, "direction": (0, 0, -1), "half_box": 3 * (16e-3,)})
-        scene = scene[:scene.index("create_cement")] + f"create_cement calcite pair 1 2 file {tmp_path}/weak.txt spacing {CELL / 2:g}\n"
-        results.append(run(
-            scene + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
-            + "velocity all set 100 30 20\nvelocity first set 0 0 1 sum yes\nfix motion grains nve/sphere\n" + MOMENTA + OUTPUT
-            + dump(800, COLUMNS[1:]) + thermo(5, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"]) + "run 800\n",
-            tmp_path / str(ranks), ranks))
+        scene = scene[: scene.index("create_cement")] + f"create_cement calcite pair 1 2 file {tmp_path}/weak.txt spacing {CELL / 2:g}\n"
+        results.append(
+            run(
+                scene
+                + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
+                + "velocity all set 100 30 20\nvelocity first set 0 0 1 sum yes\nfix motion grains nve/sphere\n"
+                + MOMENTA
+                + OUTPUT
+                + dump(800, COLUMNS[1:])
+                + thermo(5, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"])
+                + "run 800\n",
+                tmp_path / str(ranks),
+                ranks,
+            )
+        )
     one, two = (r.table() for r in results)
     separated = np.argmax(one["f_bond[22]"] > 0)
     assert 10 < separated < 120 and (one["f_bond[22]"] == two["f_bond[22]"]).all() and (one["f_bond[17]"] == two["f_bond[17]"]).all()
@@ -122,8 +143,9 @@ def test_a_side_of_the_gap_on_each_rank(tmp_path, figures):
     figures.below("shells part across ranks: difference of the points' velocity, m/s", max(abs(p[c] - q[c]).max() for c in ("vx", "vy", "vz")), 8e-10)
     for ranks, table in ((1, one), (2, two)):
         P = np.array([table[c] for c in MOMENTUM_COLUMNS[:3]])
-        figures.below(f"shells part across ranks, {ranks} rank(s): drift of momentum",
-                      np.linalg.norm(P - P[:, :1], axis=0).max() / np.linalg.norm(P[:, 0]), 2e-14)
+        figures.below(
+            f"shells part across ranks, {ranks} rank(s): drift of momentum", np.linalg.norm(P - P[:, :1], axis=0).max() / np.linalg.norm(P[:, 0]), 2e-14
+        )
         figures.below(f"shells part across ranks, {ranks} rank(s): energy imbalance", abs(table["f_cem[12]"]).max(), 1e-4)
 
 
@@ -133,8 +155,10 @@ def test_lattice_off_the_grid(tmp_path, figures, grid):
     scene = pair(CELL / 2, **{**SHELLS, "direction": (0, 0, 1)})
     scene = edit(scene, f"spacing {CELL / 2:.15g}\n", f"spacing {CELL / 2:.15g} grid {grid[0]:g} {grid[1]:g} {grid[2]:g}\n")
     tail = pull(4.0, 1e-6) + thermo(20, ["f_bond"]) + "run 200\n"
-    force = [run(scene + CONTACT + cement(CELL, 5e-9, axis="radial", damage=words) + tail, tmp_path / (words or "tied")).table()["f_bond"][-1]
-             for words in ("", "edge free")]
+    force = [
+        run(scene + CONTACT + cement(CELL, 5e-9, axis="radial", damage=words) + tail, tmp_path / (words or "tied")).table()["f_bond"][-1]
+        for words in ("", "edge free")
+    ]
     figures.below(f"shells, lattice {grid} off the grid: force with sheets against shared nodes", abs(force[0] / force[1] - 1), 0.08)
 
 
@@ -143,7 +167,7 @@ def full_cells(file, offset, R=5e-3, thickness=4e-4):
     line = (np.arange(-32, 32) + 0.5) * 1e-4
     x, y, z = (a.ravel() for a in np.meshgrid(*(line + o for o in offset), indexing="ij"))
     rho = np.hypot(x, y)
-    to = [np.sqrt(rho**2 + (z + side * R)**2) for side in (1, -1)]
+    to = [np.sqrt(rho**2 + (z + side * R) ** 2) for side in (1, -1)]
     shells = [(r < R + thickness) & (rho < r * np.sin(np.pi / 6)) for r in to]
     inside = (to[0] > R) & (to[1] > R) & (rho > 8e-4) & (shells[0] | shells[1])
     file.write_text("x y z volume\n" + "".join(f"{a:.17g} {b:.17g} {c:.17g} 1e-12\n" for a, b, c in zip(x[inside], y[inside], z[inside])))
@@ -154,7 +178,7 @@ def test_points_of_a_file(tmp_path, figures, offset, spacing):
     """Points lie anywhere in their cells; with a spacing that is not theirs, empty planes are no gap, and there is a warning."""
     full_cells(tmp_path / "points.txt", offset)
     scene = pair(CELL / 2, half_box=3 * (12.5e-3,))
-    scene = scene[:scene.index("create_cement")] + f"create_cement calcite pair 1 2 file {tmp_path}/points.txt spacing {spacing:g}\n"
+    scene = scene[: scene.index("create_cement")] + f"create_cement calcite pair 1 2 file {tmp_path}/points.txt spacing {spacing:g}\n"
     tail = pull(4.0, 1e-6) + thermo(20, ["f_bond"]) + "run 200\n"
     runs = [run(scene + CONTACT + cement(CELL, 5e-9, axis="radial", damage=words) + tail, tmp_path / (words or "tied")) for words in ("", "edge free")]
     force = [r.table()["f_bond"][-1] for r in runs]
@@ -165,8 +189,15 @@ def test_points_of_a_file(tmp_path, figures, offset, spacing):
 def test_thin_shells_separate(tmp_path):
     """Cut cells on both sides of the unbonded gap share a face of the lattice, but their material does not touch."""
     thin = pair(CELL / 2, gap=2e-4, shape="coating", cement="thickness 2e-4 cap 20", half_box=3 * (12.5e-3,))
-    out = run(thin + CONTACT + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e4 cutoff 0.9") + pull(4.0, 1e-6)
-              + thermo(50, ["f_bond", "f_bond[22]"]) + "run 600\n", tmp_path)
+    out = run(
+        thin
+        + CONTACT
+        + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e4 cutoff 0.9")
+        + pull(4.0, 1e-6)
+        + thermo(50, ["f_bond", "f_bond[22]"])
+        + "run 600\n",
+        tmp_path,
+    )
     assert out.table()["f_bond[22]"][-1] == 1 and "intact" not in out.output
 
 
@@ -178,8 +209,9 @@ def test_taken_over_by_other_kinematics(tmp_path, figures):
     before = edit(first, "axis radial", "axis radial edge free")
     wanted = run(before + move + "run 200\n", tmp_path / "free").table()["f_bond"]
     found = run(first + "run 0\nunfix bond\nunfix cem\n" + again + move + "run 200\n", tmp_path / "after").table()["f_bond"]
-    figures.below("shells askew, sheets given up before the run: force, over the largest",
-                  abs(found - wanted).max() / abs(wanted).max(), 1e-9)  # rounding feeds the springs of the links
+    figures.below(
+        "shells askew, sheets given up before the run: force, over the largest", abs(found - wanted).max() / abs(wanted).max(), 1e-9
+    )  # rounding feeds the springs of the links
 
 
 @pytest.mark.parametrize("words", ["", "cracks split"])

@@ -35,8 +35,13 @@ WRONG = {
 }
 
 # Columns, keys and variables that scripts use keep their names.
-KEPT = {"doc/specimen.md": {"rub"}, "tests/system/test_specimen_driver.py": {"rub", "rubbed"}, "tools/mpdem/specimen.py": {"rubbed"},
-        "tools/mpdem/specimen_figures.py": {"rubbed"}, "tools/mpdem/table.py": {"let_go"}}
+KEPT = {
+    "doc/specimen.md": {"rub"},
+    "tests/system/test_specimen_driver.py": {"rub", "rubbed"},
+    "tools/mpdem/specimen.py": {"rubbed"},
+    "tools/mpdem/specimen_figures.py": {"rubbed"},
+    "tools/mpdem/table.py": {"let_go"},
+}
 
 
 def files():
@@ -46,24 +51,36 @@ def files():
 
 def wrong_words(text):
     """Number of the line, what is wrong, and what to say."""
-    return [(number, found[0], instead) for number, line in enumerate(text.splitlines(), 1) for wrong, instead in WRONG.items()
-            for found in re.finditer(wrong, line, re.I)]
+    return [
+        (number, found[0], instead)
+        for number, line in enumerate(text.splitlines(), 1)
+        for wrong, instead in WRONG.items()
+        for found in re.finditer(wrong, line, re.I)
+    ]
 
 
 def test_the_words_are_those_of_the_glossary():
     names = files()
     assert len(names) > 300
-    found = [f"{name}:{number}: '{what}'; {instead}" for name in names for number, what, instead in wrong_words((ROOT / name).read_text())
-             if what not in KEPT.get(name, ())]
+    found = [
+        f"{name}:{number}: '{what}'; {instead}"
+        for name in names
+        for number, what, instead in wrong_words((ROOT / name).read_text())
+        if what not in KEPT.get(name, ())
+    ]
     assert not found, f"{len(found)} in all\n" + "\n".join(found[:60])
 
 
-@pytest.mark.parametrize("text", ["// A link lets go.", "int let_go(int n);", "  give_to(heirs);", "the energy is booked", "std::vector<GrainSide> ends;", "to the bit"])
+@pytest.mark.parametrize(
+    "text", ["// A link lets go.", "int let_go(int n);", "  give_to(heirs);", "the energy is booked", "std::vector<GrainSide> ends;", "to the bit"]
+)
 def test_a_wrong_word_is_found(text):
     assert len(wrong_words(text)) == 1
 
 
-@pytest.mark.parametrize("text", ["// The link debonds.", "the outlet goes", "their", "content", "handbook", "| `rubbed` | energy of friction |", "to the bitwise"])
+@pytest.mark.parametrize(
+    "text", ["// The link debonds.", "the outlet goes", "their", "content", "handbook", "| `rubbed` | energy of friction |", "to the bitwise"]
+)
 def test_others_are_not(text):
     assert not wrong_words(text)
 

@@ -20,6 +20,7 @@ from scipy.sparse.linalg import splu
 
 class TransverselyIsotropic(NamedTuple):
     """nu_zp is -eps_p/eps_z under uniaxial stress along the symmetry axis z."""
+
     Ep: float
     Ez: float
     nu_p: float
@@ -29,8 +30,7 @@ class TransverselyIsotropic(NamedTuple):
     def meridional_stiffness(self):
         """In the order: transverse, along the axis, hoop, engineering shear."""
         p, zp = -self.nu_p / self.Ep, -self.nu_zp / self.Ez
-        compliance = np.array([[1 / self.Ep, zp, p, 0], [zp, 1 / self.Ez, zp, 0],
-                               [p, zp, 1 / self.Ep, 0], [0, 0, 0, 1 / self.Gzp]])
+        compliance = np.array([[1 / self.Ep, zp, p, 0], [zp, 1 / self.Ez, zp, 0], [p, zp, 1 / self.Ep, 0], [0, 0, 0, 1 / self.Gzp]])
         if np.linalg.eigvalsh(compliance).min() <= 0:
             raise ValueError(f"elastic constants are not positive definite: {self}")
         return np.linalg.inv(compliance)
@@ -47,9 +47,11 @@ def axis_uniform(a_r, a_z):
 
 def axis_radial(R, gap):
     """Direction from the upper grain, which is the nearest one for all z > 0."""
+
     def direction(r, z):
         dz = z - (R + gap / 2)
         return r / np.hypot(r, dz), dz / np.hypot(r, dz)
+
     return direction
 
 
@@ -60,9 +62,9 @@ def graded_nodes(lo, hi, n, grading, grade_lo):
     the middle half of their element and fold its Jacobian.
     """
     t = np.linspace(0, 1, n + 1)
-    edges = 1 - (1 - t)**grading
+    edges = 1 - (1 - t) ** grading
     if grade_lo:
-        edges = np.where(t < 0.5, 0.5 * (2 * t)**grading, 1 - 0.5 * (2 - 2 * t)**grading)
+        edges = np.where(t < 0.5, 0.5 * (2 * t) ** grading, 1 - 0.5 * (2 - 2 * t) ** grading)
     nodes = np.empty(2 * n + 1)
     nodes[::2] = lo + (hi - lo) * edges
     nodes[1::2] = 0.5 * (nodes[:-1:2] + nodes[2::2])
@@ -70,8 +72,7 @@ def graded_nodes(lo, hi, n, grading, grade_lo):
 
 
 def quadratic_shape(x):
-    return (np.array([x * (x - 1) / 2, 1 - x * x, x * (x + 1) / 2]),
-            np.array([x - 0.5, -2 * x, x + 0.5]))
+    return (np.array([x * (x - 1) / 2, 1 - x * x, x * (x + 1) / 2]), np.array([x - 0.5, -2 * x, x + 0.5]))
 
 
 class Mesh:
@@ -86,8 +87,7 @@ class Mesh:
         self.r, self.z = np.repeat(radii, eta.size), np.outer(tops, eta).ravel()
         index = np.arange(self.r.size).reshape(radii.size, eta.size)
         self.midplane, self.top, self.inner, self.outer = *index.T[[0, -1]], *index[[0, -1]]
-        self.elements = np.stack([index[i:i + 2 * nr:2, j:j + 2 * nz:2].ravel()
-                                  for i in range(3) for j in range(3)], axis=1)
+        self.elements = np.stack([index[i : i + 2 * nr : 2, j : j + 2 * nz : 2].ravel() for i in range(3) for j in range(3)], axis=1)
 
     def gauss_points(self):
         """Yield r, z, volume weight, N, dN/dr, dN/dz of all elements, point by point."""
@@ -113,14 +113,12 @@ def twice_strain_energy(dofs, element_matrices, prescribed):
         u[fixed] = value
     free = np.setdiff1d(np.arange(u.size), np.concatenate([fixed for fixed, _ in prescribed]))
     # A positive definite matrix needs no pivoting, and going without limits the fill.
-    factors = splu(K[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,
-                   options={"SymmetricMode": True})
+    factors = splu(K[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     u[free] = factors.solve(-(K @ u)[free])
     return u @ (K @ u)
 
 
-def axial_stiffness(R, r_in, r_out, gap, elastic, axis, nr, nz, grading,
-                    height=None, confined_faces=False, frictionless=False):
+def axial_stiffness(R, r_in, r_out, gap, elastic, axis, nr, nz, grading, height=None, confined_faces=False, frictionless=False):
     """Axial force per relative axial displacement of the grains.
 
     axis(r, z) gives the (r, z) components of the symmetry axis for z >= 0.
@@ -136,13 +134,13 @@ def axial_stiffness(R, r_in, r_out, gap, elastic, axis, nr, nz, grading,
         B[:, 2, 0::2] = N / r[:, None]
         a_r, a_z = axis(r, z)
         zero, one, rz = np.zeros(r.size), np.ones(r.size), a_r * a_z
-        to_material = np.array([[a_z**2, a_r**2, zero, -rz], [a_r**2, a_z**2, zero, rz],
-                                [zero, zero, one, zero], [2 * rz, -2 * rz, zero, a_z**2 - a_r**2]])
+        to_material = np.array(
+            [[a_z**2, a_r**2, zero, -rz], [a_r**2, a_z**2, zero, rz], [zero, zero, one, zero], [2 * rz, -2 * rz, zero, a_z**2 - a_r**2]]
+        )
         B = to_material.transpose(2, 0, 1) @ B
         Ke += volume[:, None, None] * (B.transpose(0, 2, 1) @ (C @ B))
     prescribed = [(2 * mesh.midplane + 1, 0.0), (2 * mesh.top + 1, 0.5)]
-    radially_held = ((mesh.top, not frictionless), (mesh.outer, confined_faces),
-                     (mesh.inner, confined_faces or r_in == 0))
+    radially_held = ((mesh.top, not frictionless), (mesh.outer, confined_faces), (mesh.inner, confined_faces or r_in == 0))
     prescribed += [(2 * nodes, 0.0) for nodes, held in radially_held if held]
     dofs = (2 * mesh.elements[:, :, None] + np.arange(2)).reshape(-1, 18)
     return 2 * twice_strain_energy(dofs, Ke, prescribed)  # 2: the mirrored lower half
@@ -197,8 +195,7 @@ def self_check():
     flat = {"height": lambda r: np.full_like(r, length / 2)}
 
     def on_ring(solver):
-        return lambda elastic, axis=along_z, **options: solver(
-            R, r_in, r_out, 0.0, elastic, axis, 8, 4, 2.5, **options)
+        return lambda elastic, axis=along_z, **options: solver(R, r_in, r_out, 0.0, elastic, axis, 8, 4, 2.5, **options)
 
     axial, torsion = on_ring(axial_stiffness), on_ring(torsion_stiffness)
     checks = {
@@ -221,8 +218,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     for name, default in (("radius", 5e-3), ("inner", 1e-3), ("outer", 2e-3), ("gap", 0.0)):
         parser.add_argument(f"--{name}", type=float, default=default, help=f"[m], default {default:g}")
-    parser.add_argument("--vti", type=float, nargs=5, metavar=TransverselyIsotropic._fields,
-                        default=(60e9, 40e9, 0.25, 0.2, 18e9))
+    parser.add_argument("--vti", type=float, nargs=5, metavar=TransverselyIsotropic._fields, default=(60e9, 40e9, 0.25, 0.2, 18e9))
     parser.add_argument("--axis", choices=("z", "radial"), default="z", help="symmetry axis")
     parser.add_argument("--levels", type=int, default=5, help="meshes, each twice as fine")
     parser.add_argument("--json", action="store_true")
@@ -232,8 +228,10 @@ def main():
         return 0 if self_check() else 1
     axis = axis_uniform(0.0, 1.0) if args.axis == "z" else axis_radial(args.radius, args.gap)
     problem = (args.radius, args.inner, args.outer, args.gap, TransverselyIsotropic(*args.vti), axis)
-    results = {"axial": converged_axial_stiffness(*problem, levels=args.levels),
-               "torsion": converged_stiffness(torsion_stiffness, *problem, levels=args.levels)}
+    results = {
+        "axial": converged_axial_stiffness(*problem, levels=args.levels),
+        "torsion": converged_stiffness(torsion_stiffness, *problem, levels=args.levels),
+    }
     if args.json:
         print(json.dumps({name: result._asdict() for name, result in results.items()}))
         return 0

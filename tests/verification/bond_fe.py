@@ -26,8 +26,18 @@ import sys
 from typing import NamedTuple
 
 import numpy as np
-from axisymmetric_fe import (TransverselyIsotropic, axial_stiffness, axis_radial, axis_uniform, converged_stiffness,
-                             graded_nodes, quadratic_shape, sphere_profile, torsion_stiffness, twice_strain_energy)
+from axisymmetric_fe import (
+    TransverselyIsotropic,
+    axial_stiffness,
+    axis_radial,
+    axis_uniform,
+    converged_stiffness,
+    graded_nodes,
+    quadratic_shape,
+    sphere_profile,
+    torsion_stiffness,
+    twice_strain_energy,
+)
 
 LOADS = ("tension", "torsion", "shear", "bending")
 
@@ -37,6 +47,7 @@ class Body(NamedTuple):
 
     r, z: (2 ns + 1, 2 nt + 1) coordinates; the nodes i <= middle of j = 0 lie in the plane z = 0.
     """
+
     r: np.ndarray
     z: np.ndarray
     middle: int
@@ -46,13 +57,13 @@ def coons(along, bottom, top, left, right):
     """Transfinite interpolation of four sides given as (n, 2) or (m, 2) points; s, t: their parameters."""
     s, t = along
     s, t = s[:, None, None], t[None, :, None]
-    corners = ((1 - s) * (1 - t) * bottom[0] + s * (1 - t) * bottom[-1] + (1 - s) * t * top[0] + s * t * top[-1])
+    corners = (1 - s) * (1 - t) * bottom[0] + s * (1 - t) * bottom[-1] + (1 - s) * t * top[0] + s * t * top[-1]
     return ((1 - t) * bottom[:, None] + t * top[:, None] + (1 - s) * left[None] + s * right[None]) - corners
 
 
 def on_sphere(R, gap, angle):
     """Point of the upper sphere at this polar angle, seen from its centre, from the contact."""
-    return np.stack([R * np.sin(angle), gap / 2 + 2 * R * np.sin(angle / 2)**2], axis=-1)
+    return np.stack([R * np.sin(angle), gap / 2 + 2 * R * np.sin(angle / 2) ** 2], axis=-1)
 
 
 def straight(a, b, t):
@@ -120,7 +131,7 @@ BODIES = {"flat": flat_body, "meniscus": meniscus_body, "coating": coating_body}
 
 def element_nodes(shape):
     index = np.arange(shape[0] * shape[1]).reshape(shape)
-    return np.stack([index[i:i + shape[0] - 2:2, j:j + shape[1] - 2:2].ravel() for i in range(3) for j in range(3)], axis=1)
+    return np.stack([index[i : i + shape[0] - 2 : 2, j : j + shape[1] - 2 : 2].ravel() for i in range(3) for j in range(3)], axis=1)
 
 
 def strain_rows(load, r, N, N_r, N_z):
@@ -162,8 +173,9 @@ def stiffness(load, body, elastic, axis):
         (B, shear), unknowns = strain_rows(load, r, N, N_r, N_z)
         a_r, a_z = axis(r, z)
         zero, one, rz = np.zeros(r.size), np.ones(r.size), a_r * a_z
-        to_material = np.array([[a_z**2, a_r**2, zero, -rz], [a_r**2, a_z**2, zero, rz],
-                                [zero, zero, one, zero], [2 * rz, -2 * rz, zero, a_z**2 - a_r**2]])
+        to_material = np.array(
+            [[a_z**2, a_r**2, zero, -rz], [a_r**2, a_z**2, zero, rz], [zero, zero, one, zero], [2 * rz, -2 * rz, zero, a_z**2 - a_r**2]]
+        )
         B = to_material.transpose(2, 0, 1) @ B
         along = np.array([[a_r, a_z], [a_z, -a_r]]).transpose(2, 0, 1) @ shear  # shear along and across the axis
         K = B.transpose(0, 2, 1) @ (C @ B) + along.transpose(0, 2, 1) @ (np.diag([elastic.Gzp, Gp]) @ along)
@@ -172,7 +184,7 @@ def stiffness(load, body, elastic, axis):
         raise ValueError("the mesh folds; the shape is too far from a quadrilateral")
 
     index = np.arange(r_all.size).reshape(body.r.shape)
-    grain, plane, centre = index[:, -1], index[:body.middle + 1, 0], np.flatnonzero(r_all == 0)
+    grain, plane, centre = index[:, -1], index[: body.middle + 1, 0], np.flatnonzero(r_all == 0)
     r, z = r_all[grain], z_all[grain]
     # unknowns by node: value on the grain, zero in the plane of symmetry, zero on the axis
     on_grain, in_plane, on_axis = {
@@ -189,8 +201,9 @@ def stiffness(load, body, elastic, axis):
 
 def converged(load, shape, dimensions, elastic, axis, ns=12, nt=4, grading=2.5, levels=5):
     """Richardson limit over meshes, each twice as fine; dimensions: all of the shape's but the mesh."""
-    return converged_stiffness(lambda ns, nt, grading: stiffness(load, BODIES[shape](*dimensions, ns, nt, grading), elastic, axis),
-                               nr=ns, nz=nt, grading=grading, levels=levels)
+    return converged_stiffness(
+        lambda ns, nt, grading: stiffness(load, BODIES[shape](*dimensions, ns, nt, grading), elastic, axis), nr=ns, nz=nt, grading=grading, levels=levels
+    )
 
 
 # Dimensions of a case by shape, as create_cement names them; angles in degrees.
@@ -242,13 +255,15 @@ def self_check():
     for name, body in (("meniscus", meniscus), ("coating", coating)):
         for load in LOADS:
             checks[f"isotropic {name} in {load} is blind to the axis"] = (
-                stiffness(load, body, isotropic, axis_radial(R, 0.0)), stiffness(load, body, isotropic, along_z))
+                stiffness(load, body, isotropic, axis_radial(R, 0.0)),
+                stiffness(load, body, isotropic, along_z),
+            )
     errors = {name: abs(computed / exact - 1) for name, (computed, exact) in checks.items()}
     for name, error in errors.items():
         print(f"{'ok  ' if error < 1e-8 else 'FAIL'} {name}: relative error {error:.1e}")
     slender = flat_body(huge, 20 * a, 0.0, a, 16, 32, 1.0)
     EI, kGA = no_poisson.Ez * I, 6 / 7 * no_poisson.Gzp * A  # Cowper's coefficient without Poisson's effect
-    beam = 1 / ((20 * a)**3 / (12 * EI) + 20 * a / kGA)
+    beam = 1 / ((20 * a) ** 3 / (12 * EI) + 20 * a / kGA)
     error = abs(stiffness("shear", slender, no_poisson, along_z) / beam - 1)
     print(f"{'ok  ' if error < 1e-3 else 'FAIL'} shear of a slender cylinder: Timoshenko's beam: relative error {error:.1e}")
     return all(error < 1e-8 for error in errors.values()) and error < 1e-3 and check_volumes(R)
@@ -273,18 +288,16 @@ def check_volumes(R):
     rho = c / math.cos(b) - R
     z, r0 = rho * math.cos(b), (R + rho) * math.sin(b)  # from the middle: the arc's centre is at z = 0
     height = c - R * math.cos(b)
-    under_arc = (r0**2 + rho**2) * height - height**3 / 3 - r0 * (height * math.sqrt(rho**2 - height**2)
-                                                                 + rho**2 * math.asin(height / rho))
+    under_arc = (r0**2 + rho**2) * height - height**3 / 3 - r0 * (height * math.sqrt(rho**2 - height**2) + rho**2 * math.asin(height / rho))
     assert abs(z / height - 1) < 1e-9  # no contact angle: the sphere's normal points to the centre of the arc
-    exact = {"meniscus": 2 * math.pi * under_arc - 2 * math.pi / 3 * R**3 * (1 - math.cos(b))**2 * (2 + math.cos(b))}
+    exact = {"meniscus": 2 * math.pi * under_arc - 2 * math.pi / 3 * R**3 * (1 - math.cos(b)) ** 2 * (2 + math.cos(b))}
 
     def lens(S):
-        return math.pi * (2 * S - 2 * R)**2 * (4 * R**2 + 8 * R * S) / (24 * R)
+        return math.pi * (2 * S - 2 * R) ** 2 * (4 * R**2 + 8 * R * S) / (24 * R)
 
-    exact["coating"] = 4 * math.pi / 3 * (1 - math.cos(cap)) * ((R + t)**3 - R**3) - lens(R + t)
+    exact["coating"] = 4 * math.pi / 3 * (1 - math.cos(cap)) * ((R + t) ** 3 - R**3) - lens(R + t)
     inner = 1e-6  # of the touching pair: what is inside has a volume of 1e-26
-    mesh = {"meniscus": volume(meniscus_body(R, gap, 0.0, neck, 0.0, 32, 16, 2.5)),
-            "coating": volume(coating_body(R, 0.0, inner, t, cap, 48, 16, 2.5))}
+    mesh = {"meniscus": volume(meniscus_body(R, gap, 0.0, neck, 0.0, 32, 16, 2.5)), "coating": volume(coating_body(R, 0.0, inner, t, cap, 48, 16, 2.5))}
     good = True
     for name in exact:
         error = abs(mesh[name] / exact[name] - 1)
@@ -296,8 +309,16 @@ def check_volumes(R):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("shape", nargs="?", choices=sorted(BODIES))
-    for name, default in (("radius", 5e-3), ("gap", 0.0), ("inner", 1e-3), ("outer", 2e-3), ("neck", 2e-3), ("contact", 0.0),
-                          ("thickness", 4e-4), ("cap", 35.0)):
+    for name, default in (
+        ("radius", 5e-3),
+        ("gap", 0.0),
+        ("inner", 1e-3),
+        ("outer", 2e-3),
+        ("neck", 2e-3),
+        ("contact", 0.0),
+        ("thickness", 4e-4),
+        ("cap", 35.0),
+    ):
         unit = "degrees" if name in ("contact", "cap") else "m"
         parser.add_argument(f"--{name}", type=float, default=default, help=f"[{unit}], default {default:g}")
     parser.add_argument("--vti", type=float, nargs=5, metavar=TransverselyIsotropic._fields, default=(60e9, 40e9, 0.25, 0.2, 18e9))

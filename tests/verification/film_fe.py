@@ -37,7 +37,7 @@ def volume_of_meniscus(R, inner, neck):
     filling = meniscus_filling(R, 0.0, neck, CONTACT)
     rho, r0 = meniscus_arc(R, 0.0, filling, CONTACT)
     top = R - R * math.cos(filling)
-    under_arc = 2 * quad(lambda z: math.pi * (r0 - math.sqrt(max(rho * rho - z * z, 0.0)))**2, 0, top)[0]
+    under_arc = 2 * quad(lambda z: math.pi * (r0 - math.sqrt(max(rho * rho - z * z, 0.0))) ** 2, 0, top)[0]
     caps = 2 * math.pi * top**2 * (R - top / 3)
     return under_arc - caps - volume_of_ring(R, 0.0, inner)
 

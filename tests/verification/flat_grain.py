@@ -19,7 +19,7 @@ E, RHO, LONG, HIGH, SHEAR = 40e9, 2710.0, 2e-3, 5e-4, 0.5  # SHEAR: kt/kn
 
 
 def envelope(angle, Gn, Gt):
-    B = SHEAR * math.sin(angle)**2 / (math.cos(angle)**2 + SHEAR * math.sin(angle)**2)
+    B = SHEAR * math.sin(angle) ** 2 / (math.cos(angle) ** 2 + SHEAR * math.sin(angle) ** 2)
     return 1 / ((1 - B) / Gn + B / Gt)
 
 
@@ -38,16 +38,27 @@ def pulled_off(directory, cells, angle=0.0, Gn=4.0, Gt=4.0, strength=10e6, held=
     first, last = i[:, 2] == 0, i[:, 2] == i[:, 2].max()
     part = first & (X[:, 0] > 0 if held == "end" else (i[:, 0] + i[:, 1]) % 2 == 0)
     directory.mkdir(parents=True, exist_ok=True)
-    np.savetxt(directory / "block.txt", np.column_stack([X, np.full(len(X), s**3), first * s**2, last * s**2, part, last]), fmt="%.17g",
-               header="x y z volume area_i area_j attached_i attached_j", comments="")
+    np.savetxt(
+        directory / "block.txt",
+        np.column_stack([X, np.full(len(X), s**3), first * s**2, last * s**2, part, last]),
+        fmt="%.17g",
+        header="x y z volume area_i area_j attached_i attached_j",
+        comments="",
+    )
     radius = 500 * LONG
-    text = host() + f"region box block {-1.1 * radius} {1.1 * radius} {-1.1 * radius} {1.1 * radius} {-2.2 * radius} {2.2 * radius} units box\ncreate_box 2 box\n"
+    text = (
+        host() + f"region box block {-1.1 * radius} {1.1 * radius} {-1.1 * radius} {1.1 * radius} {-2.2 * radius} {2.2 * radius} units box\ncreate_box 2 box\n"
+    )
     for side in (-1, 1):
         text += f"create_atoms 1 single 0 0 {side * (radius + high / 2):.15g} units box\n"
     text += f"set type 1 diameter {2 * radius} density 2500\ngroup grains type 1\n" + NEIGHBOURS
     text += f"create_cement calcite pair 1 2 file block.txt spacing {s:.15g}\n"
-    text += scenes.cement(h, 1e-9, damage="timestep auto 0.8 quasistatic 1 0.3 events events.csv check 20",
-                          couple=f"kn {200 * E} kt {200 * SHEAR * E} interface cohesive tn {strength} tt {strength} Gn {Gn} Gt {Gt}")
+    text += scenes.cement(
+        h,
+        1e-9,
+        damage="timestep auto 0.8 quasistatic 1 0.3 events events.csv check 20",
+        couple=f"kn {200 * E} kt {200 * SHEAR * E} interface cohesive tn {strength} tt {strength} Gn {Gn} Gt {Gt}",
+    )
     text = edit(text, "vti 60000000000 40000000000 0.25 0.2 18000000000", f"isotropic {E} 0.0")
     c = math.sqrt(E / RHO)
     dt = 0.8 * 2 / math.sqrt(6) * h / c
@@ -60,5 +71,10 @@ def pulled_off(directory, cells, angle=0.0, Gn=4.0, Gt=4.0, strength=10e6, held=
     t = done.table()
     debonded = [line.split(",")[4] for line in (directory / "events.csv").read_text().splitlines()[1:]]
     area = part.sum() * s**2
-    return {"energy": t["f_cem[8]"][-1] / area, "of_first": debonded.count("1") / part.sum(), "of_second": debonded.count("2"),
-            "imbalance": abs(t["f_cem[12]"][len(t["step"]) // 4:]).max(), "output": done.output}
+    return {
+        "energy": t["f_cem[8]"][-1] / area,
+        "of_first": debonded.count("1") / part.sum(),
+        "of_second": debonded.count("2"),
+        "imbalance": abs(t["f_cem[12]"][len(t["step"]) // 4 :]).max(),
+        "output": done.output,
+    }

@@ -32,8 +32,19 @@ LAWS = {"local": "none", "nonlocal": f"nonlocal {LENGTH:g}"}
 def chunks(folder, load, ratio, law, limit):
     """Of each chunk: CPU time a step and point, force, failed points, damage energy."""
     folder.mkdir(parents=True, exist_ok=True)
-    words = dict(shape="flat", load=load, content=0.01, diameter=0.0102, inner=1e-3, spacing=LENGTH / ratio / 2, cracks="split", chunk=CHUNK, limit=limit * ratio,
-                 frames=1000000, regularization=LAWS[law])
+    words = dict(
+        shape="flat",
+        load=load,
+        content=0.01,
+        diameter=0.0102,
+        inner=1e-3,
+        spacing=LENGTH / ratio / 2,
+        cracks="split",
+        chunk=CHUNK,
+        limit=limit * ratio,
+        frames=1000000,
+        regularization=LAWS[law],
+    )
     command = [EXE, "-in", str(ROOT / "examples" / "pair_table" / "in.pair_table")]
     for name, value in words.items():
         command += ["-var", name, str(value)]

@@ -23,10 +23,10 @@ E, B0, DCUT, RHO, LENGTH = 40e9, 9.6e3, 0.9, 2710.0, 2e-4
 # Lengths: of the strip across; along it the notch, what the crack runs through before and while it is measured, and what is in front.
 HEIGHT, NOTCH, BEFORE, STEADY, AHEAD = 32, 18, 18, 16, 14
 LONG = NOTCH + BEFORE + STEADY + AHEAD
-SOFTENED = 7         # lengths in front of the notch: it is blunt, and its average no larger than the strength until the strip nearly breaks
-OVER = 1.35          # energy of the strip over that of the crack
-DAMPING = 0.4        # so that the wake opens soon and does not ring
-RAMP, HOLD = 6, 7    # in times that a wave takes across
+SOFTENED = 7  # lengths in front of the notch: it is blunt, and its average no larger than the strength until the strip nearly breaks
+OVER = 1.35  # energy of the strip over that of the crack
+DAMPING = 0.4  # so that the wake opens soon and does not ring
+RAMP, HOLD = 6, 7  # in times that a wave takes across
 UNIT = math.sqrt(2) * B0 * LENGTH
 IMPLIED = UNIT * sum(band(0.0)[1:])
 
@@ -42,8 +42,7 @@ def strip(spacing, angle):
     x, z = np.meshgrid(*2 * [(np.arange(-n, n) + 0.5) * spacing], indexing="ij")
     along, across = (math.cos(angle) * x - math.sin(angle) * z) / LENGTH, (math.sin(angle) * x + math.cos(angle) * z) / LENGTH
     inside = (abs(along) < 0.5 * LONG - 1e-9) & (abs(across) < 0.5 * HEIGHT - 1e-9)
-    return tuple(np.concatenate([v, v]) for v in (x[inside], z[inside], along[inside], across[inside])) + (
-        np.repeat([-0.5, 0.5], inside.sum()) * spacing,)
+    return tuple(np.concatenate([v, v]) for v in (x[inside], z[inside], along[inside], across[inside])) + (np.repeat([-0.5, 0.5], inside.sum()) * spacing,)
 
 
 def write_strip(file, spacing, cell, angle, off):
@@ -52,8 +51,13 @@ def write_strip(file, spacing, cell, angle, off):
     ahead, beside = along + 0.5 * LONG - NOTCH, abs(across * LENGTH - off * spacing)
     failed = (ahead < 0) & (beside < 0.51 * cell)
     D = np.where(~failed & (beside < 0.51 * LENGTH) & (ahead > -1), np.clip(1.6 * (1 - ahead / SOFTENED), 0.0, 0.85), 0.0)
-    np.savetxt(file, np.column_stack([x, y, z, np.full(len(x), spacing**3), failed, D, D, D, 0 * D, 0 * D, 0 * D]), fmt="%.17g",
-               header="x y z volume failed dxx dyy dzz dyz dxz dxy", comments="")
+    np.savetxt(
+        file,
+        np.column_stack([x, y, z, np.full(len(x), spacing**3), failed, D, D, D, 0 * D, 0 * D, 0 * D]),
+        fmt="%.17g",
+        header="x y z volume failed dxx dyy dzz dyz dxz dxy",
+        comments="",
+    )
 
 
 def crack(directory, cells_a_length, angle=0.0, off=0, energy=None, cracks="split"):
@@ -72,7 +76,9 @@ def crack(directory, cells_a_length, angle=0.0, off=0, energy=None, cracks="spli
     layer = 1.001 * spacing * (abs(math.cos(angle)) + (abs(math.sin(angle)) if angle else 0.0))
     text += f"create_cement calcite pair 1 2 file strip.txt spacing {spacing:.15g} attach {layer:.15g}\n"
     words = f"nonlocal {LENGTH} imperfection 0" + (f" energy {energy}" if energy else "")
-    text += scenes.cement(cell, 1e-9, damage=f"damage tensor B0 {B0} cutoff {DCUT} regularization {words} cracks {cracks} timestep auto 0.8 quasistatic 1 {DAMPING}")
+    text += scenes.cement(
+        cell, 1e-9, damage=f"damage tensor B0 {B0} cutoff {DCUT} regularization {words} cracks {cracks} timestep auto 0.8 quasistatic 1 {DAMPING}"
+    )
     text = edit(text, "vti 60000000000 40000000000 0.25 0.2 18000000000", f"isotropic {E} 0.0")
     c = math.sqrt(E / RHO)
     unit, u = HEIGHT * LENGTH / c, math.sqrt(2 * OVER * G * HEIGHT * LENGTH / E)
@@ -105,14 +111,23 @@ def measure(t, at, depth, G):
     slope, start = np.polyfit(at[steady], spent[steady], 1)
     middle = NOTCH + BEFORE + STEADY / 2
     halves = [np.polyfit(at[steady & h], spent[steady & h], 1)[0] / slope - 1 for h in (at <= middle, at >= middle)]
-    return {"ratio": slope, "halves": halves, "speed": np.polyfit(t["v_t"][steady], at[steady], 1)[0] * LENGTH / math.sqrt(E / RHO),
-            "imbalance": abs(t["f_cem[12]"][-1]), "at": at, "spent": spent, "line": (slope, start)}
+    return {
+        "ratio": slope,
+        "halves": halves,
+        "speed": np.polyfit(t["v_t"][steady], at[steady], 1)[0] * LENGTH / math.sqrt(E / RHO),
+        "imbalance": abs(t["f_cem[12]"][-1]),
+        "at": at,
+        "spent": spent,
+        "line": (slope, start),
+    }
 
 
 def draw(file, results):
     import matplotlib
+
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+
     fig, ax = plt.subplots(figsize=(6.4, 4.2))
     for n, (name, r) in enumerate(results.items()):
         runs = r["at"] > NOTCH + SOFTENED

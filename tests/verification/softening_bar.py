@@ -24,18 +24,18 @@ RADIUS = 500 * LENGTH  # the ends are flat within 1e-4 of a cell
 def work(m):
     """W(m): work of a unit volume to failure over sqrt2 B0 (Bazant and Oh's band, see fix_mpm.md)."""
     keep = 1 - DCUT
-    spent = -math.log(keep) if m == 1 else (1 - keep**(1 - m)) / (1 - m)
-    return spent + keep**(1 - m) / 2
+    spent = -math.log(keep) if m == 1 else (1 - keep ** (1 - m)) / (1 - m)
+    return spent + keep ** (1 - m) / 2
 
 
 def spent(m, D):
     """Energy a unit volume has spent on damage D, over sqrt2 B0."""
-    return -math.log(1 - D) if m == 1 else (1 - (1 - D)**(1 - m)) / (1 - m)
+    return -math.log(1 - D) if m == 1 else (1 - (1 - D) ** (1 - m)) / (1 - m)
 
 
 def band(m):
     """Cells: a hat of strain on a knot, 3/4 at the two nearest layers, which fail, 1/4 at the next two."""
-    beside = 1 - (1 - DCUT) * 3**(2 / (1 + m))
+    beside = 1 - (1 - DCUT) * 3 ** (2 / (1 + m))
     return 1 + (spent(m, beside) if beside > 0 else 0) / work(m)
 
 
@@ -48,8 +48,20 @@ def lattice(cells, per_cell, width=2):
     return np.array([(a, b, c) for a in x for b in x for c in z]), s
 
 
-def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, cell_factor=1.0, regularization=None,
-        breaks="in the middle", couple="kn auto kt auto", share=0.9):
+def bar(
+    directory,
+    cells,
+    m,
+    per_cell=2,
+    speed=0.02,
+    stretch=1.2,
+    damping=0.3,
+    cell_factor=1.0,
+    regularization=None,
+    breaks="in the middle",
+    couple="kn auto kt auto",
+    share=0.9,
+):
     """regularization: the words of fix mpm in place of a crack band with exponent m.  breaks: where the layer with a little damage is, or how far it goes
     from the first grain.
     couple: stiffness of the links.  share: of the stable step."""
@@ -60,13 +72,13 @@ def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, c
     else:
         weak, strength = X[:, 2] - X[:, 2].min() < breaks, 0.97
     # Strength goes as (1 - D)^((3 - m)/2): that of 0.99 or 0.97 B0
-    D0 = np.where(weak, 1 - strength**(1 / (3 - m)), 0.0)
+    D0 = np.where(weak, 1 - strength ** (1 / (3 - m)), 0.0)
     first = X[:, 2] == X[:, 2].min()
     last = X[:, 2] == X[:, 2].max()
     directory.mkdir(parents=True, exist_ok=True)
     rows = np.column_stack([X, np.full(len(X), s**3), 0 * D0, 0 * D0, D0, 0 * D0, 0 * D0, 0 * D0, first * s**2, last * s**2])
     np.savetxt(directory / "bar.txt", rows, fmt="%.17g", header="x y z volume dxx dyy dzz dyz dxz dxy area_i area_j", comments="")
-    area = (X[:, 0].max() - X[:, 0].min() + s)**2
+    area = (X[:, 0].max() - X[:, 0].min() + s) ** 2
     Gf = math.sqrt(2) * B0 * work(m) * band(m) * h  # makes fix mpm use m
     c, e0 = math.sqrt(E / RHO), 2**0.25 * math.sqrt(B0 / E)
     v = speed * c * e0
@@ -76,11 +88,16 @@ def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, c
         text += f"create_atoms 1 single 0 0 {side * (RADIUS + LENGTH / 2):.15g} units box\n"
     text += f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + scenes.NEIGHBOURS
     text += f"create_cement calcite pair 1 2 file bar.txt spacing {s:.15g}\n"
-    text += scenes.cement(h, 1e-9, damage=f"damage tensor B0 {B0} cutoff {DCUT} regularization {regularization or f'crackband {Gf:.15g}'} "
-                          f"timestep auto {share} quasistatic 1 {damping}", couple=couple)
+    text += scenes.cement(
+        h,
+        1e-9,
+        damage=f"damage tensor B0 {B0} cutoff {DCUT} regularization {regularization or f'crackband {Gf:.15g}'} "
+        f"timestep auto {share} quasistatic 1 {damping}",
+        couple=couple,
+    )
     text = edit(text, "vti 60000000000 40000000000 0.25 0.2 18000000000", f"isotropic {E} 0.0")
     # Until the band, if it were two cells, has come to the strain at failure
-    stretch = 0.3 + stretch * 2 * h / LENGTH * (1 - DCUT)**(-(1 + m) / 2)
+    stretch = 0.3 + stretch * 2 * h / LENGTH * (1 - DCUT) ** (-(1 + m) / 2)
     duration = stretch * e0 * LENGTH / v
     text += pull(v, 0.1 * duration) + thermo(20, ["f_bond[13]", "f_bond", "f_cem[8]", "f_cem[9]", "f_cem[2]", "f_cem[12]"])
     dt = share * 2 / math.sqrt(6) * h / c
@@ -95,8 +112,18 @@ def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, c
     spent = t["f_cem[8]"][-1] + t["f_cem[9]"][-1]
     gap, force = t["f_bond[13]"], t["f_bond"]
     under_curve = float(((gap[1:] - gap[:-1]) * (force[1:] + force[:-1])).sum() / 2)
-    return {"energy": spent / area, "under_curve": under_curve / area, "width": spent / (math.sqrt(2) * B0 * work(m) * area) / h, "ratio": spent / (Gf * area), "failed": t["f_cem[2]"][-1] / (len(X) / (cells * per_cell)),
-            "peak": t["f_bond"].max() / area / (2**0.25 * math.sqrt(B0 * E)), "end": t["f_bond"][-1] / t["f_bond"].max(), "profile": profile, "table": t, "steps": t["step"][-1]}
+    return {
+        "energy": spent / area,
+        "under_curve": under_curve / area,
+        "width": spent / (math.sqrt(2) * B0 * work(m) * area) / h,
+        "ratio": spent / (Gf * area),
+        "failed": t["f_cem[2]"][-1] / (len(X) / (cells * per_cell)),
+        "peak": t["f_bond"].max() / area / (2**0.25 * math.sqrt(B0 * E)),
+        "end": t["f_bond"][-1] / t["f_bond"].max(),
+        "profile": profile,
+        "table": t,
+        "steps": t["step"][-1],
+    }
 
 
 def at_energy(directory, cells, finest=80, most=45.0, **options):

@@ -63,7 +63,7 @@ def first_to_fail(bonds, curve):
     largest = {}
 
     def failed(row):
-        load = np.sqrt(sum(row[f"f{d}1"]**2 for d in "xyz"))
+        load = np.sqrt(sum(row[f"f{d}1"] ** 2 for d in "xyz"))
         for b, f in zip(row["bond"], load):
             largest[b] = max(largest.get(b, 0.0), f)
         return (row["failed"] > 0) & (load < 0.5 * np.array([largest[b] for b in row["bond"]]))
@@ -75,7 +75,7 @@ def swaps(order, reference):
     """Largest difference of the times of two bonds that broke the other way round, as the reference has them; of those in both."""
     at = {b: t for t, b in reference}
     times = [at[b] for _, b in order if b in at]
-    return max((max(times[:i + 1]) - t for i, t in enumerate(times)), default=0.0)
+    return max((max(times[: i + 1]) - t for i, t in enumerate(times)), default=0.0)
 
 
 def told(name, what, run, reference):
@@ -89,9 +89,11 @@ def told(name, what, run, reference):
     parts = ", ".join(f"{100 * off[b.table['time'] <= t].max():.2g}" for t in until)
     same = len({n for _, n in mine} & {n for _, n in theirs})
     order = next((i for i, (x, y) in enumerate(zip(mine, theirs)) if x[1] != y[1]), len(theirs))
-    print(f"{name}: peak {100 * (a.stress[a.peak] / b.stress[b.peak] - 1):+.2g} %; stress up to the first bond that {what}, the peak, the last of the first such bonds: off by "
-          f"at most {parts} % of the peak; of the first {len(theirs)} {same} the same, in the same order the first {order}, "
-          f"others within {1e6 * swaps(mine, theirs):.2g} us of {1e6 * theirs[-1][0]:.0f}")
+    print(
+        f"{name}: peak {100 * (a.stress[a.peak] / b.stress[b.peak] - 1):+.2g} %; stress up to the first bond that {what}, the peak, the last of the first such bonds: off by "
+        f"at most {parts} % of the peak; of the first {len(theirs)} {same} the same, in the same order the first {order}, "
+        f"others within {1e6 * swaps(mine, theirs):.2g} us of {1e6 * theirs[-1][0]:.0f}"
+    )
 
 
 def main():
@@ -114,8 +116,22 @@ def main():
             for stage in ("poured", f"cemented_{label}"):
                 shutil.copytree(os.path.join(folders["resolved"], stage), os.path.join(out, stage))
         settings = {**ALL, **words, **dict(word.split("=") for word in args.set)}
-        subprocess.run([os.path.join(ROOT, "tools", "specimen.py"), out, "--exe", args.exe, "--beads", args.beads, "--contents", args.content,
-                        *WORDS, *(w for k, v in settings.items() for w in ("--set", f"{k}={v}"))], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [
+                os.path.join(ROOT, "tools", "specimen.py"),
+                out,
+                "--exe",
+                args.exe,
+                "--beads",
+                args.beads,
+                "--contents",
+                args.content,
+                *WORDS,
+                *(w for k, v in settings.items() for w in ("--set", f"{k}={v}")),
+            ],
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
         folder = os.path.join(out, f"compression_{label}")
         curve = specimen.Curve(folder, "compression", 0.0)
         bonds = specimen.bonds_at(folder)

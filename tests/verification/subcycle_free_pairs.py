@@ -31,9 +31,11 @@ VOLUME = 4 / 3 * np.pi * 5e-3**3
 def scene(density, subcycle, words=""):
     text = edit(pair(3e-4, gap=6e-4, cement="outer 1.2e-3 inner 0", half_box=(0.1, 0.1, 0.1)), "density 2500", f"density {density:.17g}")
     text += cement(6e-4, 1e-8, axis="bond", damage=f"subcycle {subcycle} {words}")
-    text += ("velocity first set 0.01 0 0.02\nvelocity second set -0.01 0.004 -0.02\nset atom 1 omegaz 3\nset atom 2 omegay 2\nfix motion grains nve/sphere\n"
-             'variable kin atom "0.5*mass*(vx^2+vy^2+vz^2)+0.2*mass*0.005^2*(omegax^2+omegay^2+omegaz^2)"\n'
-             "compute k grains reduce sum v_kin\nvariable E equal c_k+f_cem[5]+f_cem[6]+f_cem[7]\n")
+    text += (
+        "velocity first set 0.01 0 0.02\nvelocity second set -0.01 0.004 -0.02\nset atom 1 omegaz 3\nset atom 2 omegay 2\nfix motion grains nve/sphere\n"
+        'variable kin atom "0.5*mass*(vx^2+vy^2+vz^2)+0.2*mass*0.005^2*(omegax^2+omegay^2+omegaz^2)"\n'
+        "compute k grains reduce sum v_kin\nvariable E equal c_k+f_cem[5]+f_cem[6]+f_cem[7]\n"
+    )
     return text
 
 
@@ -42,8 +44,11 @@ def limits(out, ratio):
     tell = 'variable d equal dt\nrun 0\nprint "dt ${d}"\n'
     volume = float(re.search(r"^  volume (\S+),", run(scene(1000, 2) + "run 0\n", out / "volume").output, re.M)[1])
     density = ratio * 2710 * volume / (2 * VOLUME)
-    return (density, run(scene(density, 2, "timestep auto 1") + tell, out / f"cement_{ratio:g}").value("dt") / 2,
-            run(scene(density, "auto", "timestep auto 1") + tell, out / f"grains_{ratio:g}").value("dt"))
+    return (
+        density,
+        run(scene(density, 2, "timestep auto 1") + tell, out / f"cement_{ratio:g}").value("dt") / 2,
+        run(scene(density, "auto", "timestep auto 1") + tell, out / f"grains_{ratio:g}").value("dt"),
+    )
 
 
 def swings(out, density, n, sub, steps):

@@ -25,7 +25,7 @@ def pair(ratio):
     K = np.zeros((n, n))
     for i in range(n - 1):
         k = LINK if i in (0, n - 2) else 1.0
-        K[i:i + 2, i:i + 2] += k * np.array([[1, -1], [-1, 1]])
+        K[i : i + 2, i : i + 2] += k * np.array([[1, -1], [-1, 1]])
     chain = K[1:-1, 1:-1] - LINK * np.diag(np.r_[1, np.zeros(CELLS - 1), 1])
     largest = np.linalg.eigvalsh(chain / np.sqrt(np.outer(m, m)))[-1]
     dt = 0.9 * 2 / np.sqrt(largest)
@@ -49,7 +49,7 @@ class Scene:
         mass = follow.T @ M @ follow
         reduced = 1 / (np.array([1, -1]) @ np.linalg.solve(mass, np.array([1, -1])))
         bond = 1 / (CELLS + 2 / LINK)
-        self.contact = reduced * (2 * share / (self.n * self.dt))**2 - bond if share else 0.0
+        self.contact = reduced * (2 * share / (self.n * self.dt)) ** 2 - bond if share else 0.0
         if self.contact < 0:
             self.contact = None
         self.inverse = np.linalg.inv(M)
@@ -69,7 +69,7 @@ class Scene:
         first[v, load] += n * dt * impulse @ self.across
         first[v, last] -= (n - 1) / 2 * dt * impulse @ self.across
         first[v, held] += dt * self.inverse @ self.across - ((n - 1) / 2 + 1) * dt * impulse @ self.across
-        return (np.linalg.matrix_power(drift @ within, n - 1) @ drift @ first)[:2 * size]
+        return (np.linalg.matrix_power(drift @ within, n - 1) @ drift @ first)[: 2 * size]
 
 
 def growth(ratio, steps, share, how):
@@ -83,7 +83,7 @@ def growth(ratio, steps, share, how):
         half = np.block([[one, none, none], [-0.5 * dt * s.pull, one, 0.5 * dt * one], [none, none, one]])
         whole = np.block([[one, dt * one, none], [none, one, none], [none, none, one]])
         after = np.linalg.matrix_power(half @ whole @ half, n) @ np.block([[one, none], [none, one], [pull, none]])
-        x, v, a = after[:size], after[size:2 * size], after[2 * size:]
+        x, v, a = after[:size], after[size : 2 * size], after[2 * size :]
         return np.abs(np.linalg.eigvals(np.vstack([x, v + 0.5 * n * dt * (pull @ x - a)]))).max() - 1
     means = MEANS if how == "spread" else 0
     unit = np.eye(2 * size + means)
@@ -93,7 +93,7 @@ def growth(ratio, steps, share, how):
         of_mean = after[row] = (1 - SLOW) * unit[row] + SLOW * of_mean
     last, held = (unit[-1], after[-1]) if means else (0 * load, 0 * load)
     impulse = s.inverse if how == "grains alone" else s.shared
-    after[:2 * size] = s.step(impulse) @ np.vstack([unit[:2 * size], load, last, held])
+    after[: 2 * size] = s.step(impulse) @ np.vstack([unit[: 2 * size], load, last, held])
     return np.abs(np.linalg.eigvals(after)).max() - 1
 
 
@@ -118,7 +118,7 @@ def swings(scenes, steps):
             mean += weight * (load - mean)
             load = mean
         state[:, 2 * size + 2] = means[-1]
-        state[:, :2 * size] = np.einsum("cij,cj->ci", maps, state)
+        state[:, : 2 * size] = np.einsum("cij,cj->ci", maps, state)
         if step < 1000 or step >= steps // 2:
             most[int(step >= 1000)] = np.maximum(most[int(step >= 1000)], np.abs(state[:, size]))
     return most[1] / most[0]

@@ -17,15 +17,28 @@ GRAIN, GRAIN_EDGE = "#ececec", "#707070"
 BROKEN = "#e8172c"  # failed points; not a colour of the map
 MAP = "viridis"
 HALO = [patheffects.withStroke(linewidth=2.0, foreground="white")]
-WIDTH = 7.48        # of the cuts, inches: a page of two columns
-HALF_CUT = 1.4      # spacings: whole layers whether or not one lies on the plane
+WIDTH = 7.48  # of the cuts, inches: a page of two columns
+HALF_CUT = 1.4  # spacings: whole layers whether or not one lies on the plane
 
-plt.rcParams.update({
-    "font.family": "DejaVu Sans", "font.size": 8, "axes.labelsize": 8, "axes.titlesize": 7.5, "legend.fontsize": 7,
-    "xtick.labelsize": 7, "ytick.labelsize": 7, "axes.linewidth": 0.6, "lines.linewidth": 1.0,
-    "xtick.direction": "in", "ytick.direction": "in", "xtick.major.width": 0.6, "ytick.major.width": 0.6,
-    "savefig.dpi": 600, "mathtext.default": "regular",
-})
+plt.rcParams.update(
+    {
+        "font.family": "DejaVu Sans",
+        "font.size": 8,
+        "axes.labelsize": 8,
+        "axes.titlesize": 7.5,
+        "legend.fontsize": 7,
+        "xtick.labelsize": 7,
+        "ytick.labelsize": 7,
+        "axes.linewidth": 0.6,
+        "lines.linewidth": 1.0,
+        "xtick.direction": "in",
+        "ytick.direction": "in",
+        "xtick.major.width": 0.6,
+        "ytick.major.width": 0.6,
+        "savefig.dpi": 600,
+        "mathtext.default": "regular",
+    }
+)
 
 
 def force_displacement(path, bond, result, stages):
@@ -42,19 +55,35 @@ def force_displacement(path, bond, result, stages):
         handles += ax.plot(um, bond.force, color=CURVE, lw=0.6, ls=(0, (4, 2)), label="whole force, with shear")
     if np.isfinite(result.stiffness):
         reach = bond.way_scale * 1.04 * peak / result.stiffness
-        handles += ax.plot([0.0, reach], [0.0, 1.04 * peak], "--", color="0.5", lw=0.8, zorder=1,
-                           label="initial stiffness")
+        handles += ax.plot([0.0, reach], [0.0, 1.04 * peak], "--", color="0.5", lw=0.8, zorder=1, label="initial stiffness")
     if stages:
         at = np.array([(bond.way_scale * bond.at(s, bond.opening), bond.at(s, "tension")) for _, s, _ in stages])
-        handles += ax.plot(at[:, 0], at[:, 1], "o", color="white", mec=CURVE, ms=4.5, mew=1.0, zorder=4,
-                           clip_on=False, label="stages of the cut")
-    star = ax.plot(bond.way_scale * result.peak_opening, peak, "*", color=MARK, ms=8, zorder=5, mec="white", mew=0.4,
-                       clip_on=False, label=f"peak {run.number(result.peak)} {bond.load_unit}{' of compression' if result.sense < 0 else ''} at "
-                         f"{bond.way_scale * result.peak_opening:.3g} {bond.way_unit}")
+        handles += ax.plot(at[:, 0], at[:, 1], "o", color="white", mec=CURVE, ms=4.5, mew=1.0, zorder=4, clip_on=False, label="stages of the cut")
+    star = ax.plot(
+        bond.way_scale * result.peak_opening,
+        peak,
+        "*",
+        color=MARK,
+        ms=8,
+        zorder=5,
+        mec="white",
+        mew=0.4,
+        clip_on=False,
+        label=f"peak {run.number(result.peak)} {bond.load_unit}{' of compression' if result.sense < 0 else ''} at "
+        f"{bond.way_scale * result.peak_opening:.3g} {bond.way_unit}",
+    )
     handles += star
     if result.broken:
-        handles.append(ax.axvline(bond.way_scale * result.failure_opening, color=MARK, lw=0.8, ls=":", zorder=1,
-                                  label=f"{'separated' if result.separated else 'without load'} ({result.mode}) at {bond.way_scale * result.failure_opening:.3g} {bond.way_unit}"))
+        handles.append(
+            ax.axvline(
+                bond.way_scale * result.failure_opening,
+                color=MARK,
+                lw=0.8,
+                ls=":",
+                zorder=1,
+                label=f"{'separated' if result.separated else 'without load'} ({result.mode}) at {bond.way_scale * result.failure_opening:.3g} {bond.way_unit}",
+            )
+        )
     else:
         lowest = f" (mean ≥ {100 * result.lowest:.1f} % of the peak)" if np.isfinite(result.lowest) else ""
         handles += ax.plot([], [], " ", label="not separated" + lowest)
@@ -81,8 +110,7 @@ def force_displacement(path, bond, result, stages):
     if stages:
         drawn = [h for h in handles if h.get_linestyle() != "None"]
         label_stages(ax, [s[0] for s in stages], at, drawn + star)
-    ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.01), ncol=3, frameon=False,
-              handlelength=1.6, columnspacing=1.4)
+    ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.01), ncol=3, frameon=False, handlelength=1.6, columnspacing=1.4)
     save(fig, path)
 
 
@@ -99,8 +127,7 @@ def label_stages(ax, letters, at, lines):
         xy = np.column_stack([np.interp(fine, np.arange(len(x)), v) for v in (x, y)])
         taken.append(line.get_transform().transform(xy))
     taken = np.concatenate(taken)
-    places = [r * per_point * np.array([np.cos(a), np.sin(a)])
-              for r in (12, 16, 20, 25, 30) for a in np.radians([30, -30, 60, 150, 90, -60, 210, 120, 270])]
+    places = [r * per_point * np.array([np.cos(a), np.sin(a)]) for r in (12, 16, 20, 25, 30) for a in np.radians([30, -30, 60, 150, 90, -60, 210, 120, 270])]
     for letter, point, mark in zip(letters, at, marks):
         for place in [mark + p for p in places] + [mark + places[0]]:
             clear = (np.abs(taken - place) > 0.5 * size).any(axis=1).all()
@@ -108,8 +135,7 @@ def label_stages(ax, letters, at, lines):
             if clear and inside:
                 break
         taken = np.vstack([taken, place + 0.5 * size * np.array([[0, 0], [-1, -1], [1, -1], [1, 1], [-1, 1]])])
-        ax.annotate(f"({letter})", point, xytext=(place - mark) / per_point, textcoords="offset points", ha="center",
-                    va="center", zorder=6, path_effects=HALO)
+        ax.annotate(f"({letter})", point, xytext=(place - mark) / per_point, textcoords="offset points", ha="center", va="center", zorder=6, path_effects=HALO)
 
 
 def damage_cut(path, bond, result, stages, radius, spacing):
@@ -130,9 +156,14 @@ def damage_cut(path, bond, result, stages, radius, spacing):
         outlines(ax, radius * mm, bond.gap[0] * mm, bond.at(step, bond.lift) * mm)
         colours = squares(ax, points, 0.52 * spacing * mm)
         tension = bond.at(step, "tension")
-        ax.set_title(f"({letter}) {bond.way_name.split()[-1]} {bond.way_scale * opening:.3g} {bond.way_unit}\n"
-                     f"{run.number(tension)} {bond.load_unit}, "
-                     f"{100 * result.sense * tension / result.peak:.0f} % of peak", loc="left", pad=3, linespacing=1.15)
+        ax.set_title(
+            f"({letter}) {bond.way_name.split()[-1]} {bond.way_scale * opening:.3g} {bond.way_unit}\n"
+            f"{run.number(tension)} {bond.load_unit}, "
+            f"{100 * result.sense * tension / result.peak:.0f} % of peak",
+            loc="left",
+            pad=3,
+            linespacing=1.15,
+        )
         ax.set_xlim(-wide, wide)
         ax.set_ylim(-high, high)
         ax.set_aspect("equal")
@@ -148,8 +179,13 @@ def damage_cut(path, bond, result, stages, radius, spacing):
     bar = fig.add_axes([start / width, 0.32 / height, bar_w / width, 0.09 / height])
     fig.colorbar(colours, cax=bar, orientation="horizontal", ticks=np.linspace(0, 1, 6))
     bar.set_xlabel("largest damage (–)", labelpad=1)
-    fig.legend(handles=[Patch(fc=BROKEN, label="failed points"), Patch(fc=GRAIN, ec=GRAIN_EDGE, label="grains")],
-               loc="center left", bbox_to_anchor=((start + bar_w + 0.15) / width, 0.37 / height), ncol=2, frameon=False)
+    fig.legend(
+        handles=[Patch(fc=BROKEN, label="failed points"), Patch(fc=GRAIN, ec=GRAIN_EDGE, label="grains")],
+        loc="center left",
+        bbox_to_anchor=((start + bar_w + 0.15) / width, 0.37 / height),
+        ncol=2,
+        frameon=False,
+    )
     save(fig, path)
 
 
@@ -158,8 +194,10 @@ def cut(points, path, spacing, number):
     if "c_bond" in points:
         keep &= points["c_bond"] == number
     if not keep.any():
-        raise run.Trouble(f"{path}: no points within {HALF_CUT:g} spacings of the plane y = 0; the cut needs "
-                          "the line of centres on the z axis (or another --spacing), else use '--points none'")
+        raise run.Trouble(
+            f"{path}: no points within {HALF_CUT:g} spacings of the plane y = 0; the cut needs "
+            "the line of centres on the z axis (or another --spacing), else use '--points none'"
+        )
     order = np.argsort(points["c_damage"][keep] + points["c_failed"][keep], kind="stable")
     return {c: points[c][keep][order] for c in run.DUMP_COLUMNS}
 
@@ -174,8 +212,9 @@ def squares(ax, points, half):
     centre = 1e3 * np.column_stack([points["x"], points["z"]])
     corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     failed = points["c_failed"] > 0.5
-    sound = PolyCollection(centre[~failed, None] + corners, array=points["c_damage"][~failed], cmap=MAP,
-                           norm=plt.Normalize(0.0, 1.0), lw=0, antialiased=False, zorder=2)
+    sound = PolyCollection(
+        centre[~failed, None] + corners, array=points["c_damage"][~failed], cmap=MAP, norm=plt.Normalize(0.0, 1.0), lw=0, antialiased=False, zorder=2
+    )
     ax.add_collection(sound)
     ax.add_collection(PolyCollection(centre[failed, None] + corners, fc=BROKEN, lw=0, antialiased=False, zorder=3))
     return sound

@@ -58,7 +58,7 @@ def covered(x, weight, share, radius, chance):
     """Those in spheres about random ones of x, as many as cover that share of the weights."""
     inside = np.zeros(len(x), dtype=bool)
     while weight[inside].sum() < share * weight.sum():
-        inside |= ((x - x[chance.integers(len(x))])**2).sum(axis=1) < radius**2
+        inside |= ((x - x[chance.integers(len(x))]) ** 2).sum(axis=1) < radius**2
     return inside
 
 
@@ -68,7 +68,7 @@ def add_damage(points, most, size, chance):
     middles = x[chance.choice(len(x), size=min(count, len(x)), replace=False)]
     nearest, of = np.full(len(x), np.inf), np.zeros(len(x), dtype=int)
     for i, middle in enumerate(middles):
-        square = ((x - middle)**2).sum(axis=1)
+        square = ((x - middle) ** 2).sum(axis=1)
         closer = square < nearest
         nearest[closer], of[closer] = square[closer], i
     damage = chance.uniform(0.0, most, len(middles))[of]

@@ -117,9 +117,13 @@ def geometry(path, bond, points, radius, spacing):
     top.set_xlabel("x (mm)", labelpad=1)
     top.set_ylabel("y (mm)", labelpad=1)
     top.set_title(f"attached to grain {bond.grains[0]}", loc="left")
-    fig.legend(handles=[Patch(fc=ATTACHED, label="attached"), Patch(fc=FREE, label="not attached"),
-                        Patch(fc=GRAIN, ec=GRAIN_EDGE, label="grains")], loc="lower left", ncol=3, frameon=False,
-               bbox_to_anchor=(0.05, 0.0))
+    fig.legend(
+        handles=[Patch(fc=ATTACHED, label="attached"), Patch(fc=FREE, label="not attached"), Patch(fc=GRAIN, ec=GRAIN_EDGE, label="grains")],
+        loc="lower left",
+        ncol=3,
+        frameon=False,
+        bbox_to_anchor=(0.05, 0.0),
+    )
     save(fig, path)
 
 
@@ -138,12 +142,19 @@ def interface(path, bond, grain, first, last, events, radius, spacing):
     when = dict(zip(events["point"][mine].astype(int), events["time"][mine]))
     time = 1e6 * np.array([when.get(i, np.nan) for i in ids])
     gone = np.isfinite(time)
-    residue = np.isin(ids, events["point"][residue(events, first, grain)].astype(int)) & ~gone
+    stayed = np.isin(ids, events["point"][residue(events, first, grain)].astype(int)) & ~gone
     half, wide = 0.58e3 * spacing, 1.06 * (np.hypot(x, y).max() + 1e3 * spacing)
     fig, axes = plt.subplots(1, 3, figsize=(9.4, 3.3), gridspec_kw={"width_ratios": [1, 1, 1.15]})
-    panels = ((damage, plt.Normalize(0, 1), MAP, "largest damage (–)", "at the last dump"),
-              (time, plt.Normalize(np.nanmin(time), max(np.nanmax(time), np.nanmin(time) + 1e-9)) if gone.any() else None, TIMES,
-               "time of debonding (µs)", f"{gone.sum()} of {len(ids)} points debonded" + (f",\n{residue.sum()} stayed as residue" if residue.any() else "")))
+    panels = (
+        (damage, plt.Normalize(0, 1), MAP, "largest damage (–)", "at the last dump"),
+        (
+            time,
+            plt.Normalize(np.nanmin(time), max(np.nanmax(time), np.nanmin(time) + 1e-9)) if gone.any() else None,
+            TIMES,
+            "time of debonding (µs)",
+            f"{gone.sum()} of {len(ids)} points debonded" + (f",\n{stayed.sum()} stayed as residue" if stayed.any() else ""),
+        ),
+    )
     for ax, (values, norm, colours, label, title) in zip(axes, panels):
         known = np.isfinite(values)
         ax.add_collection(PolyCollection(tiles(x[~known], y[~known], half), fc=KEPT, lw=0, antialiased=False))
@@ -155,8 +166,8 @@ def interface(path, bond, grain, first, last, events, radius, spacing):
         ax.set_xlabel("x (mm)")
         ax.set_ylabel("y (mm)", labelpad=0)
         ax.set_title(title, loc="left")
-        if values is time and residue.any():
-            ax.add_collection(PolyCollection(tiles(x[residue], y[residue], half), fc=RESIDUE, lw=0, antialiased=False))
+        if values is time and stayed.any():
+            ax.add_collection(PolyCollection(tiles(x[stayed], y[stayed], half), fc=RESIDUE, lw=0, antialiased=False))
         bar = fig.colorbar(shown, ax=ax, orientation="horizontal", pad=0.18, fraction=0.05)
         bar.set_label(label)
     axes[0].set_title(f"grain {grain}, points attached at the start\ndamage at the last dump", loc="left")
@@ -177,8 +188,7 @@ def interface(path, bond, grain, first, last, events, radius, spacing):
     if gone.any():
         reach = 0.08 * np.ptp(time[gone]) + 0.1
         ax.set_xlim(np.nanmin(time) - reach, np.nanmax(time) + reach)
-    ax.legend(loc="upper left", bbox_to_anchor=(-0.05, 1.2), frameon=False, ncol=2, markerscale=2.5,
-              columnspacing=1.2)
+    ax.legend(loc="upper left", bbox_to_anchor=(-0.05, 1.2), frameon=False, ncol=2, markerscale=2.5, columnspacing=1.2)
     fig.subplots_adjust(left=0.055, right=0.935, bottom=0.13, top=0.87, wspace=0.32)
     # the discs keep room for their bars; the third panel fills the height
     box = ax.get_position()

@@ -13,8 +13,8 @@ import numpy as np
 
 from .run import Trouble
 
-FAILED_BELOW = 0.01        # of the peak
-STIFFNESS = (0.10, 0.40)   # of the peak
+FAILED_BELOW = 0.01  # of the peak
+STIFFNESS = (0.10, 0.40)  # of the peak
 
 
 def read_table(path):
@@ -45,11 +45,12 @@ def measure(time, way, load, window):
     nan = float("nan")
     top = int(np.argmax(np.abs(load)))
     peak = abs(load[top])
-    r = dict(peak=peak, way_at_peak=way[top], stiffness=nan, broken=False, way_at_failure=nan,
-             energy=float(np.sum(0.5 * (load[1:] + load[:-1]) * np.diff(way))))
+    r = dict(
+        peak=peak, way_at_peak=way[top], stiffness=nan, broken=False, way_at_failure=nan, energy=float(np.sum(0.5 * (load[1:] + load[:-1]) * np.diff(way)))
+    )
     if not peak > 0.0:
         return r
-    rising = np.abs(load[:top + 1])
+    rising = np.abs(load[: top + 1])
     above = np.flatnonzero(rising > STIFFNESS[1] * peak)
     end = int(above[0]) + 1 if above.size else top + 1
     low = np.flatnonzero(rising[:end] < STIFFNESS[0] * peak)
@@ -96,12 +97,26 @@ def results(folder, radius=0.005, name="run", window=2e-6):
     r = measure(table["time"], table["way"], table["load"], window)
     section = np.pi * (size**2 - inner**2)
     left, mode_ahead = ahead(log) if bond["mode"][-1] == "intact" else ("", "")
-    r.update(dimension=size, inner=inner, volume=volume, points=points, section=section,
-             stress_section=r["peak"] / section, stress_grain=r["peak"] / (np.pi * radius**2),
-             mode=bond["mode"][-1], left=left, mode_ahead=mode_ahead,
-             share_grain1=bond["share_grain1"][-1], share_grain2=bond["share_grain2"][-1],
-             share_inside=1.0 - bond["share_grain1"][-1] - bond["share_grain2"][-1] if bond["mode"][-1] != "intact" else 0.0,
-             failed=int(bond["failed"][-1]), links_debonded=int(bond["debonded"][-1]), attached=int(bond["attached"][-1]),
-             dissipated=bond["dissipated_energy"][-1], imbalance=bond["energy_imbalance"][-1],
-             steps=int(table["step"][-1]), duration=table["time"][-1])
+    r.update(
+        dimension=size,
+        inner=inner,
+        volume=volume,
+        points=points,
+        section=section,
+        stress_section=r["peak"] / section,
+        stress_grain=r["peak"] / (np.pi * radius**2),
+        mode=bond["mode"][-1],
+        left=left,
+        mode_ahead=mode_ahead,
+        share_grain1=bond["share_grain1"][-1],
+        share_grain2=bond["share_grain2"][-1],
+        share_inside=1.0 - bond["share_grain1"][-1] - bond["share_grain2"][-1] if bond["mode"][-1] != "intact" else 0.0,
+        failed=int(bond["failed"][-1]),
+        links_debonded=int(bond["debonded"][-1]),
+        attached=int(bond["attached"][-1]),
+        dissipated=bond["dissipated_energy"][-1],
+        imbalance=bond["energy_imbalance"][-1],
+        steps=int(table["step"][-1]),
+        duration=table["time"][-1],
+    )
     return r

@@ -16,7 +16,7 @@ from .figures import plt, save
 from .table_figure import HAM_COLOUR, MODES, SHAPES
 
 MODULUS = 28.79e9  # Pa, along the axis of the elasticity of examples/pair_table
-BESIDE = 0.28      # steps of the axis of contents between two energies
+BESIDE = 0.28  # steps of the axis of contents between two energies
 # contents in %, above the first and up to the second, what was seen; as the abstract of Ham et al. (2022) has it: mixed from 11 %
 HAM_MODES = ((0.0, 10.9, "debonding"), (10.9, 17.0, "debonding,\nmixed"), (17.0, 100.0, "internal,\nmixed"))
 
@@ -52,8 +52,7 @@ def figure(rows):
     contents = sorted({r.content for r, _, _ in rows})
     energies = sorted({found[1] for _, _, found in rows}, reverse=True)
     at = {c: i for i, c in enumerate(contents)}
-    fig, axes = plt.subplots(len(shapes), len(loads), figsize=(3.4 * len(loads) + 0.4, 2.9 * len(shapes) + 0.6), squeeze=False,
-                             sharex=True, sharey=True)
+    fig, axes = plt.subplots(len(shapes), len(loads), figsize=(3.4 * len(loads) + 0.4, 2.9 * len(shapes) + 0.6), squeeze=False, sharex=True, sharey=True)
     for row, shape in zip(axes, shapes):
         for ax, load in zip(row, loads):
             marks = panel(ax, [x for x in rows if (x[0].shape, x[0].load) == (shape, load)], at, energies)
@@ -80,8 +79,9 @@ def figure(rows):
 def panel(ax, rows, at, energies):
     marks = ax.scatter([], [], c=[], cmap="viridis", vmin=0.0, vmax=1.0)
     for mode, (_, form) in MODES.items():
-        found = [(at[r.content] + BESIDE * (energies.index(e) - 0.5 * (len(energies) - 1)), strength, res)
-                 for r, res, (strength, e) in rows if res["mode"] == mode]
+        found = [
+            (at[r.content] + BESIDE * (energies.index(e) - 0.5 * (len(energies) - 1)), strength, res) for r, res, (strength, e) in rows if res["mode"] == mode
+        ]
         if not found:
             continue
         x, y, results = zip(*found)
@@ -110,5 +110,14 @@ def seen_by_ham(ax, contents, loaded_so):
         if inside:
             left, right = inside[0] - 0.45, inside[-1] + 0.45
             ax.plot([left, right], [1.02, 1.02], color=HAM_COLOUR, lw=3, alpha=0.7, transform=ax.get_xaxis_transform(), clip_on=False)
-            ax.annotate(words, (0.5 * (left + right), 1.035), xycoords=ax.get_xaxis_transform(), color=HAM_COLOUR, fontsize=6, linespacing=0.95,
-                        ha="center", va="bottom", annotation_clip=False)
+            ax.annotate(
+                words,
+                (0.5 * (left + right), 1.035),
+                xycoords=ax.get_xaxis_transform(),
+                color=HAM_COLOUR,
+                fontsize=6,
+                linespacing=0.95,
+                ha="center",
+                va="bottom",
+                annotation_clip=False,
+            )

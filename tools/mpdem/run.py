@@ -9,9 +9,28 @@ import sys
 import numpy as np
 
 # The columns used; the table holds more.
-COLUMNS = ("step", "time", "bond", "grain1", "grain2", "gap", "tension", "points", "attached", "debonded",
-           "failed", "peak_tension", "separated", "share_grain1", "share_grain2", "dissipated_energy", "energy_imbalance",
-           "fx1", "fy1", "fz1")
+COLUMNS = (
+    "step",
+    "time",
+    "bond",
+    "grain1",
+    "grain2",
+    "gap",
+    "tension",
+    "points",
+    "attached",
+    "debonded",
+    "failed",
+    "peak_tension",
+    "separated",
+    "share_grain1",
+    "share_grain2",
+    "dissipated_energy",
+    "energy_imbalance",
+    "fx1",
+    "fy1",
+    "fz1",
+)
 MODES = ("debonding", "internal", "mixed", "intact")
 DUMP_COLUMNS = ("x", "y", "z", "c_damage", "c_failed")
 EXTRA_COLUMNS = ("id", "c_bond", "c_attached", "c_grain")  # read if there
@@ -74,7 +93,7 @@ def number(value):
 def beside(bond, kind):
     """What the run calls another of its files: KIND_NAME beside bond_NAME.csv, KIND beside bond.csv."""
     name = os.path.splitext(os.path.basename(bond.path))[0]
-    return kind + (name[len("bond"):] if name == "bond" or name.startswith("bond_") else f"_{name}")
+    return kind + (name[len("bond") :] if name == "bond" or name.startswith("bond_") else f"_{name}")
 
 
 def make_folder(path):
@@ -95,8 +114,10 @@ def find_bond_file(run_dir, name):
         raise Trouble(f"{paths[0]}: no such file; name the 'csv' file of fix mpm/couple with --bond")
     found = sorted(p for name in ("bond.csv", "bond_*.csv") for p in glob.glob(os.path.join(glob.escape(run_dir), name)))
     if not found:
-        raise Trouble(f"{os.path.join(run_dir, 'bond_*.csv')}: no such file, nor bond.csv; write one with "
-                      "'fix mpm/couple ... csv 50 bond_NAME.csv' or name it with --bond")
+        raise Trouble(
+            f"{os.path.join(run_dir, 'bond_*.csv')}: no such file, nor bond.csv; write one with "
+            "'fix mpm/couple ... csv 50 bond_NAME.csv' or name it with --bond"
+        )
     if len(found) > 1:
         names = ", ".join(os.path.basename(f) for f in found)
         raise Trouble(f"{run_dir}: holds several tables ({names}); choose one with --bond")
@@ -116,8 +137,7 @@ def read_bonds(path):
     header = [h.strip() for h in next(reader, [])]
     lacking = [c for c in COLUMNS if c not in header]
     if lacking:
-        raise Trouble(f"{path}: no column {', '.join(lacking)}; take a table written by "
-                      "'fix mpm/couple ... csv' of this version, with its header line")
+        raise Trouble(f"{path}: no column {', '.join(lacking)}; take a table written by " "'fix mpm/couple ... csv' of this version, with its header line")
     if "mode" not in header:
         raise Trouble(f"{path}: no column mode; take a table written by 'fix mpm/couple ... csv' of this version, with its header line")
     at, mode = [header.index(c) for c in COLUMNS], header.index("mode")
@@ -127,15 +147,13 @@ def read_bonds(path):
             rows.append([float(row[i]) for i in at])
             modes.append(row[mode].strip())
         except (ValueError, IndexError):
-            raise Trouble(f"{path}: line {reader.line_num} is not a row of {len(header)} numbers; "
-                          "delete that line or run again") from None
+            raise Trouble(f"{path}: line {reader.line_num} is not a row of {len(header)} numbers; " "delete that line or run again") from None
     if not rows:
         raise Trouble(f"{path}: a header without rows; let the run get past its setup, then read again")
     rows = np.array(rows)
     bad = ~np.isfinite(rows[:, [COLUMNS.index("gap"), COLUMNS.index("tension")]]).all(axis=1)
     if bad.any():
-        raise Trouble(f"{path}: gap or tension is not finite from step {rows[bad][0, 0]:.0f}; "
-                      "the run is unstable, reduce its time step")
+        raise Trouble(f"{path}: gap or tension is not finite from step {rows[bad][0, 0]:.0f}; " "the run is unstable, reduce its time step")
     numbers = rows[:, COLUMNS.index("bond")]
     wrong = sorted(set(modes) - set(MODES))
     if wrong:
@@ -181,13 +199,11 @@ def find_dumps(run_dir, names, bond):
             raise Trouble(f"{dumps[step]} and {path}: both are of step {step}; name the dumps of one run with --points")
         dumps[step] = path
     if not dumps:
-        raise Trouble(f"{shown}: no such dumps, so no damage_cut.png; name them with --points, "
-                      "or leave the cut out with '--points none'")
+        raise Trouble(f"{shown}: no such dumps, so no damage_cut.png; name them with --points, " "or leave the cut out with '--points none'")
     last = bond.step[-1]
     kept = {s: dumps[s] for s in sorted(dumps) if bond.step[0] <= s <= last}
     if not kept:
-        raise Trouble(f"{shown}: no dump between the steps {bond.step[0]:.0f} and {last:.0f} of {bond.path}; "
-                      "name the dumps of the same run with --points")
+        raise Trouble(f"{shown}: no dump between the steps {bond.step[0]:.0f} and {last:.0f} of {bond.path}; " "name the dumps of the same run with --points")
     return kept
 
 
@@ -205,8 +221,7 @@ def read_dump(path):
                 break
         lacking = [c for c in DUMP_COLUMNS if c not in (names or [])]
         if lacking:
-            raise Trouble(f"{path}: no column {', '.join(lacking)}; dump x y z and "
-                          "'compute mpm/atom' with the ID damage and the ID failed")
+            raise Trouble(f"{path}: no column {', '.join(lacking)}; dump x y z and " "'compute mpm/atom' with the ID damage and the ID failed")
         wanted = [c for c in DUMP_COLUMNS + EXTRA_COLUMNS if c in names]
         try:
             data = np.loadtxt(f, usecols=[names.index(c) for c in wanted], max_rows=count, ndmin=2) if count else []
@@ -226,7 +241,7 @@ def spacing(points):
         raise Trouble("too few points to measure their spacing; give it with --spacing")
     nearest = []
     for i in np.unique(np.linspace(0, len(x) - 1, 200).astype(int)):
-        squares = ((x - x[i])**2).sum(axis=1)
+        squares = ((x - x[i]) ** 2).sum(axis=1)
         squares[i] = np.inf
         nearest.append(squares.min())
     return float(np.sqrt(np.percentile(nearest, 90)))

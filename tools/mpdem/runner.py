@@ -69,8 +69,10 @@ def tell_end(program, runner, stopped):
     if stopped:
         sys.exit(f"{program}: stopped; the same command goes on from here")
     if runner.failed:
-        raise Trouble(f"{len(runner.failed)} of {len(runner.all)} runs failed; correct them and call again: " +
-                      "; ".join(f"{r.label}: {why}" for r, why in runner.failed[:3]))
+        raise Trouble(
+            f"{len(runner.failed)} of {len(runner.all)} runs failed; correct them and call again: "
+            + "; ".join(f"{r.label}: {why}" for r, why in runner.failed[:3])
+        )
 
 
 def stop(*_):
@@ -117,8 +119,10 @@ class Runner:
         self.wake = 0.0
 
     def go(self):
-        say(f"{len(self.all)} runs, {self.skipped} finished before, {len(self.waiting)} to do, "
-            f"{self.jobs} at a time on {self.ranks} rank{'s' * (self.ranks > 1)} each")
+        say(
+            f"{len(self.all)} runs, {self.skipped} finished before, {len(self.waiting)} to do, "
+            f"{self.jobs} at a time on {self.ranks} rank{'s' * (self.ranks > 1)} each"
+        )
         # the longest first, so that none is left alone at the end
         self.waiting.sort(key=lambda r: -r.cost)
         self.total = sum(r.cost for r in self.waiting)
@@ -155,8 +159,15 @@ class Runner:
         os.makedirs(folder)
         out = open(os.path.join(folder, "out.txt"), "w")
         environment = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", **os.environ}
-        process = subprocess.Popen(run.command(self.exe, self.ranks), cwd=folder, stdout=out, env=environment,
-                                   stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, start_new_session=True)
+        process = subprocess.Popen(
+            run.command(self.exe, self.ranks),
+            cwd=folder,
+            stdout=out,
+            env=environment,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,
+        )
         self.active.append({"run": run, "process": process, "out": out, "folder": folder, "since": time.time()})
 
     def finish(self, item):
@@ -167,8 +178,7 @@ class Runner:
             text = f.read()
         trouble = [line for line in text.splitlines() if line.startswith("ERROR")]
         if item["process"].returncode or trouble or "\nRESULT " not in text:
-            self.failed.append((run, trouble[0] if trouble else f"ended with status {item['process'].returncode}; "
-                                f"see {os.path.join(folder, 'out.txt')}"))
+            self.failed.append((run, trouble[0] if trouble else f"ended with status {item['process'].returncode}; " f"see {os.path.join(folder, 'out.txt')}"))
             say(f"{self.count()} FAILED {run.label}: {self.failed[-1][1]}")
             return
         try:

@@ -16,13 +16,48 @@ from .loading import read_table
 from .run import Trouble
 
 FOLDER = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "examples", "specimen")
-STIFFNESS = (0.3, 0.6)   # of the peak, beyond the confining pressure
-CALM = 1e-3              # kinetic share of the energy
-FEWEST = 10              # beads that tell the strain
-COLUMNS = ("label", "test", "content", "content_of_all", "pressure", "bonds", "points", "stiffness", "stiffness_of_ends", "strength", "strain_at_peak", "strain_at_end",
-           "load_at_end", "awake_at_peak", "broken_at_peak", "awake_most", "broken", "debonding", "internal", "mixed", "kinetic_at_half",
-           "kinetic_at_first_failure", "kinetic_at_peak", "imbalance", "work", "in_contacts", "steps", "wall", "beyond_cap", "springs_at_peak", "rubbed_at_first_failure", "rubbed_at_peak", "load_when_calm",
-           "kinetic_share_at_first_failure", "unbalanced_at_first_failure", "pressure_off_to_peak", "pressure_off_after_peak")
+STIFFNESS = (0.3, 0.6)  # of the peak, beyond the confining pressure
+CALM = 1e-3  # kinetic share of the energy
+FEWEST = 10  # beads that tell the strain
+COLUMNS = (
+    "label",
+    "test",
+    "content",
+    "content_of_all",
+    "pressure",
+    "bonds",
+    "points",
+    "stiffness",
+    "stiffness_of_ends",
+    "strength",
+    "strain_at_peak",
+    "strain_at_end",
+    "load_at_end",
+    "awake_at_peak",
+    "broken_at_peak",
+    "awake_most",
+    "broken",
+    "debonding",
+    "internal",
+    "mixed",
+    "kinetic_at_half",
+    "kinetic_at_first_failure",
+    "kinetic_at_peak",
+    "imbalance",
+    "work",
+    "in_contacts",
+    "steps",
+    "wall",
+    "beyond_cap",
+    "springs_at_peak",
+    "rubbed_at_first_failure",
+    "rubbed_at_peak",
+    "load_when_calm",
+    "kinetic_share_at_first_failure",
+    "unbalanced_at_first_failure",
+    "pressure_off_to_peak",
+    "pressure_off_after_peak",
+)
 
 
 def variables_of(script):
@@ -71,8 +106,7 @@ class Pour(Stage):
 
 class Cement(Stage):
     def __init__(self, content, poured, extra):
-        super().__init__(f"cemented_{content:g}", "in.cement", (poured,), 0.1 * poured.cost, extra,
-                         {"poured": "../poured", "content": f"{content:g}"})
+        super().__init__(f"cemented_{content:g}", "in.cement", (poured,), 0.1 * poured.cost, extra, {"poured": "../poured", "content": f"{content:g}"})
 
     def results(self, folder):
         text = output(folder)
@@ -90,8 +124,14 @@ class Load(Stage):
 
     def __init__(self, test, content, pressure, cement, extra):
         confined = f"_{1e-6 * pressure:g}MPa" if pressure else ""
-        super().__init__(f"{test}_{content:g}{confined}", "in.load", (cement,), cement.cost * (5.0 if test == "tension" else 30.0), extra,
-                         {"poured": "../poured", "cemented": f"../{cement.label}", "test": test, "pressure": f"{pressure:g}"})
+        super().__init__(
+            f"{test}_{content:g}{confined}",
+            "in.load",
+            (cement,),
+            cement.cost * (5.0 if test == "tension" else 30.0),
+            extra,
+            {"poured": "../poured", "cemented": f"../{cement.label}", "test": test, "pressure": f"{pressure:g}"},
+        )
         if "cell" not in extra and "spacing" in extra:
             self.arguments["cell"] = f"{2 * float(extra['spacing']):g}"
         self.test, self.content, self.pressure = test, content, pressure
@@ -102,8 +142,10 @@ class Load(Stage):
         return found
 
     def told(self, r):
-        return (f"strength {1e-6 * r['strength']:.3g} MPa at {1e3 * r['strain_at_peak']:.3g} per mille, stiffness {1e-9 * r['stiffness']:.3g} GPa, "
-                f"{r['broken']} of {r['bonds']} bonds broken")
+        return (
+            f"strength {1e-6 * r['strength']:.3g} MPa at {1e3 * r['strain_at_peak']:.3g} per mille, stiffness {1e-9 * r['stiffness']:.3g} GPa, "
+            f"{r['broken']} of {r['bonds']} bonds broken"
+        )
 
     def line(self, folder):
         """The last line of progress of the script, by its names."""
@@ -133,7 +175,7 @@ class Curve:
         found = re.search(r"^SPECIMEN long (\S+)$", text, re.M)
         if not found:
             raise Trouble(f"{os.path.join(folder, 'out.txt')}: lacks the line SPECIMEN; run again")
-        self.long, self.height, self.section = float(found[1]), shape["height"], shape["side"]**2
+        self.long, self.height, self.section = float(found[1]), shape["height"], shape["side"] ** 2
         self.grip = 0.5 * (self.height - self.long)
         moves = np.flatnonzero(table["stage"] == 1)
         if moves.size < 5:
@@ -228,7 +270,7 @@ def gauge_strain(folder, c):
 
 def calm_from(c, rising, fails):
     """Share of the peak of the load from which on the kinetic share of the energy stays below CALM until the first point fails; nan: it does not."""
-    loud = np.flatnonzero(c.kinetic_share[:max(fails, 1)] >= CALM)
+    loud = np.flatnonzero(c.kinetic_share[: max(fails, 1)] >= CALM)
     first = int(loud[-1]) + 1 if loud.size else 0
     return float(rising[first] / rising[c.peak]) if first < fails else float("nan")
 
@@ -243,22 +285,45 @@ def results(folder, load):
     c = Curve(folder, load.test, load.pressure, load.arguments.get("young"))
     t, k = c.table, c.peak
     cement = runner.finished(os.path.dirname(folder), load.needs[0])
-    rising = (c.stress - load.pressure)[:k + 1]
-    inside = np.flatnonzero(rising[:int(np.argmax(rising > STIFFNESS[1] * rising[k]))] >= STIFFNESS[0] * rising[k])  # later drops are none of it
+    rising = (c.stress - load.pressure)[: k + 1]
+    inside = np.flatnonzero(rising[: int(np.argmax(rising > STIFFNESS[1] * rising[k]))] >= STIFFNESS[0] * rising[k])  # later drops are none of it
     gauge = gauge_strain(folder, c)
     half, fails = int(np.argmax(rising >= 0.5 * rising[k])), int(np.argmax(t["failed"] > 0)) or k
     before = {name: float(t[name][max(fails - 1, 0)]) if name in t else float("nan") for name in ("kinetic_share", "unbalanced")}
-    return {"test": load.test, "content": load.content, "pressure": load.pressure, **{k: cement[k] for k in ("bonds", "points", "content_of_all")},
-            "stiffness": slope(gauge[inside], c.stress[inside]), "stiffness_of_ends": slope(c.strain[inside], c.stress[inside]), "strength": float(c.stress[k]), "strain_at_peak": float(c.strain[k]), "strain_at_end": float(c.strain[-1]),
-            "load_at_end": float(c.stress[-1] / c.stress[k]), "awake_at_peak": int(t["awake"][k]), "broken_at_peak": int(t["broken"][k]),
-            "awake_most": int(t["awake"].max()), "broken": int(t["broken"][-1]), "debonding": int(t["debonding"][-1]),
-            "internal": int(t["internal"][-1]), "mixed": int(t["mixed"][-1]), "kinetic_at_half": float(c.kinetic_share[half]),
-            "kinetic_at_first_failure": float(c.kinetic_share[max(fails - 1, 0)]), "kinetic_at_peak": float(c.kinetic_share[k]),
-            "imbalance": float(np.abs(t["imbalance"][1:]).max()), "work": float(c.work[-1]), "in_contacts": float(c.in_contacts[-1]),
-            "steps": int(t["step"][-1] - t["step"][0]), "springs_at_peak": float((c.springs[k] - c.springs[0]) / c.work[k]),
-            "rubbed_at_first_failure": float(c.rubbed[max(fails - 1, 0)] / c.work[max(fails - 1, 0)]), "rubbed_at_peak": float(c.rubbed[k] / c.work[k]),
-            "load_when_calm": calm_from(c, rising, fails), "kinetic_share_at_first_failure": before["kinetic_share"], "unbalanced_at_first_failure": before["unbalanced"],
-            "pressure_off_to_peak": pressure_off(c, slice(1, k + 1)), "pressure_off_after_peak": pressure_off(c, slice(k + 1, None))}
+    return {
+        "test": load.test,
+        "content": load.content,
+        "pressure": load.pressure,
+        **{k: cement[k] for k in ("bonds", "points", "content_of_all")},
+        "stiffness": slope(gauge[inside], c.stress[inside]),
+        "stiffness_of_ends": slope(c.strain[inside], c.stress[inside]),
+        "strength": float(c.stress[k]),
+        "strain_at_peak": float(c.strain[k]),
+        "strain_at_end": float(c.strain[-1]),
+        "load_at_end": float(c.stress[-1] / c.stress[k]),
+        "awake_at_peak": int(t["awake"][k]),
+        "broken_at_peak": int(t["broken"][k]),
+        "awake_most": int(t["awake"].max()),
+        "broken": int(t["broken"][-1]),
+        "debonding": int(t["debonding"][-1]),
+        "internal": int(t["internal"][-1]),
+        "mixed": int(t["mixed"][-1]),
+        "kinetic_at_half": float(c.kinetic_share[half]),
+        "kinetic_at_first_failure": float(c.kinetic_share[max(fails - 1, 0)]),
+        "kinetic_at_peak": float(c.kinetic_share[k]),
+        "imbalance": float(np.abs(t["imbalance"][1:]).max()),
+        "work": float(c.work[-1]),
+        "in_contacts": float(c.in_contacts[-1]),
+        "steps": int(t["step"][-1] - t["step"][0]),
+        "springs_at_peak": float((c.springs[k] - c.springs[0]) / c.work[k]),
+        "rubbed_at_first_failure": float(c.rubbed[max(fails - 1, 0)] / c.work[max(fails - 1, 0)]),
+        "rubbed_at_peak": float(c.rubbed[k] / c.work[k]),
+        "load_when_calm": calm_from(c, rising, fails),
+        "kinetic_share_at_first_failure": before["kinetic_share"],
+        "unbalanced_at_first_failure": before["unbalanced"],
+        "pressure_off_to_peak": pressure_off(c, slice(1, k + 1)),
+        "pressure_off_after_peak": pressure_off(c, slice(k + 1, None)),
+    }
 
 
 def mohr_coulomb(rows):
@@ -276,8 +341,13 @@ def mohr_coulomb(rows):
         return found
     q, C = np.polyfit(p, s, 1)
     angle = np.degrees(np.arcsin((q - 1) / (q + 1)))
-    found["fit"] = {"cohesion": float(C / (2 * np.sqrt(q))), "angle": float(angle), "slope": float(q), "unconfined": float(C),
-                    "off": float(np.abs(s - C - q * p).max() / s.max())}
+    found["fit"] = {
+        "cohesion": float(C / (2 * np.sqrt(q))),
+        "angle": float(angle),
+        "slope": float(q),
+        "unconfined": float(C),
+        "off": float(np.abs(s - C - q * p).max() / s.max()),
+    }
     return found
 
 
@@ -302,8 +372,11 @@ def beads_at(folder, most=None):
 
 def write(path, runs, out, needs_rows=False):
     """The finished loads, measured anew; returns them with their results. needs_rows: none is a mistake."""
-    rows = [(r, {**res, **r.results(os.path.join(out, r.label))}) for r, res in ((r, runner.finished(out, r)) for r in runs if isinstance(r, Load))
-            if res is not None]
+    rows = [
+        (r, {**res, **r.results(os.path.join(out, r.label))})
+        for r, res in ((r, runner.finished(out, r)) for r in runs if isinstance(r, Load))
+        if res is not None
+    ]
     for load, res in rows:
         line = mohr_coulomb([other for _, other in rows if load.test == other["test"] == "compression" and load.content == other["content"]])
         res["beyond_cap"] = int(line is not None and load.pressure in line["beyond"])

@@ -98,9 +98,15 @@ def awake(path, items):
 def energy(path, load, c):
     """Where the work of walls and grips went."""
     t = c.table
-    parts = (("stored in the cement and its links", c.stored, "#1f6fb4"), ("dissipated by damage", t["dissipated"], "#c1272d"),
-             ("released by points that failed", t["released"], "#e39a1f"), ("taken by dampers in the cement", t["damped"], "#8a5fa8"),
-             ("kinetic, beads and cement", c.kinetic - c.kinetic[0], "#2a8f7b"), ("contacts: springs", c.springs - c.springs[0], "#9aa0a8"), ("contacts: friction, dashpots", c.rubbed, "#5b6169"))
+    parts = (
+        ("stored in the cement and its links", c.stored, "#1f6fb4"),
+        ("dissipated by damage", t["dissipated"], "#c1272d"),
+        ("released by points that failed", t["released"], "#e39a1f"),
+        ("taken by dampers in the cement", t["damped"], "#8a5fa8"),
+        ("kinetic, beads and cement", c.kinetic - c.kinetic[0], "#2a8f7b"),
+        ("contacts: springs", c.springs - c.springs[0], "#9aa0a8"),
+        ("contacts: friction, dashpots", c.rubbed, "#5b6169"),
+    )
     fig, ax = plt.subplots(figsize=(5.2, 3.3))
     x, low = 1e3 * c.strain, np.zeros(len(c.strain))
     for label, value, colour in parts:
@@ -135,8 +141,12 @@ def strengths(path, items, reference, line):
         ax.set_xlim(0.0, None)
         ax.set_ylim(0.0, None)
         ax.legend(frameon=False)
-    circles(axes[2], [(r["pressure"], r["strength"]) for load, r, _ in items if load.test == "compression" and load.content == reference],
-            [r["strength"] for load, r, _ in items if load.test == "tension" and load.content == reference], line)
+    circles(
+        axes[2],
+        [(r["pressure"], r["strength"]) for load, r, _ in items if load.test == "compression" and load.content == reference],
+        [r["strength"] for load, r, _ in items if load.test == "tension" and load.content == reference],
+        line,
+    )
     axes[2].set_title(f"content {100 * reference:.3g} %", loc="left")
     fig.tight_layout()
     save(fig, path)
@@ -145,15 +155,19 @@ def strengths(path, items, reference, line):
 def circles(ax, pairs, tensions, line):
     angle, fit = np.linspace(0.0, np.pi, 200), line and line["fit"]
     for (low, high), colour in zip(sorted(pairs), PALETTE):
-        ax.plot(1e-6 * (0.5 * (low + high) + 0.5 * (high - low) * np.cos(angle)), 1e-6 * 0.5 * (high - low) * np.sin(angle), color=colour, lw=0.9,
-                ls=":" if line and low in line["beyond"] else "-")
+        ax.plot(
+            1e-6 * (0.5 * (low + high) + 0.5 * (high - low) * np.cos(angle)),
+            1e-6 * 0.5 * (high - low) * np.sin(angle),
+            color=colour,
+            lw=0.9,
+            ls=":" if line and low in line["beyond"] else "-",
+        )
     for strength in tensions:
         ax.plot(-1e-6 * 0.5 * strength * (1 + np.cos(angle)), 1e-6 * 0.5 * strength * np.sin(angle), color=PALETTE[2], lw=0.9, ls="--")
     if fit:
         tan = np.tan(np.radians(fit["angle"]))
         x = np.array([-fit["cohesion"] / tan if tan > 0 else 0.0, 0.6 * max(h for _, h in pairs)])
-        ax.plot(1e-6 * x, 1e-6 * (fit["cohesion"] + tan * x), color="k", lw=0.8,
-                label=f"cohesion {1e-6 * fit['cohesion']:.3g} MPa, {fit['angle']:.3g}°")
+        ax.plot(1e-6 * x, 1e-6 * (fit["cohesion"] + tan * x), color="k", lw=0.8, label=f"cohesion {1e-6 * fit['cohesion']:.3g} MPa, {fit['angle']:.3g}°")
         ax.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     ax.set_aspect("equal")
     ax.set_ylim(0.0, None)
@@ -171,7 +185,7 @@ def state_of(row, n):
 def stages(c, steps):
     """(title, step): half of the peak, the peak, the load fallen by half, the end; of the steps that there are."""
     s, top = c.table["step"], c.stress[c.peak]
-    after = np.flatnonzero(c.stress[c.peak:] < 0.5 * top)
+    after = np.flatnonzero(c.stress[c.peak :] < 0.5 * top)
     fallen = c.peak + int(after[0]) if after.size else (c.peak + len(s) - 1) // 2
     rows = (("half of the peak", int(np.argmax(c.stress >= 0.5 * top))), ("peak", c.peak), ("after the peak", fallen), ("end", len(s) - 1))
     found = []
@@ -196,8 +210,9 @@ def bonds_in_space(path, load, c, bonds, beads):
         place = {i: 1e3 * b[:3] @ np.array([right, up, away]).T for i, b in at.items()}
         xy = np.array([p[:2] for p in place.values()])
         wide = np.array([2e3 * b[3] for b in at.values()])
-        ax.add_collection(EllipseCollection(wide, wide, np.zeros(len(wide)), units="xy", offsets=xy, transOffset=ax.transData,
-                                            facecolors="none", edgecolors="0.88", lw=0.4))
+        ax.add_collection(
+            EllipseCollection(wide, wide, np.zeros(len(wide)), units="xy", offsets=xy, transOffset=ax.transData, facecolors="none", edgecolors="0.88", lw=0.4)
+        )
         far = np.array([p[2] for p in place.values()])
         lines = []
         for n in range(len(row["bond"])):
@@ -231,7 +246,7 @@ def rose(path, items):
     down = -(-len(items) // across)
     fig, axes = plt.subplots(down, across, figsize=(1.5 * across, 2.1 * down + 0.4), subplot_kw={"projection": "polar"}, squeeze=False)
     edges = np.radians(np.arange(0.0, 91.0, 15.0))
-    for ax in axes.flat[len(items):]:
+    for ax in axes.flat[len(items) :]:
         ax.set_visible(False)
     for ax, (load, first, last, beads) in zip(axes.flat, items):
         direction = np.array([beads[int(b)][:3] - beads[int(a)][:3] for a, b in zip(first["grain1"], first["grain2"])])

@@ -13,19 +13,79 @@ SHAPES = ("flat", "meniscus", "coating", "coating+meniscus", "file")
 LOADS = ("tension", "compression", "shear", "torsion", "bending", "mixed", "force")
 RADIUS, DENSITY_RATIO = 0.005, 2500.0 / 2710.0
 WAVE = 5146.0  # as in the script
-SPEED = 0.04   # as in the script, m/s
+SPEED = 0.04  # as in the script, m/s
 WINDOW = 2e-6  # s over which the load is averaged to tell failure, at least
 
 # Variables of the script that may be set, but for those this module computes.
-VARIABLES = ("points", "share", "cap", "gap", "diameter", "percell", "grid", "inner", "B0", "cutoff", "zeta", "interface", "bonding", "regularization", "edge", "cracks", "axis",
-             "speed", "ramp", "arm", "angle", "rate", "courant", "record", "chunk", "limit", "frames", "spacing")
-OWN = {"refine": 1.0,        # divides the spacing
-       "layers": 3.0,        # of points through a coating, at least
-       "coarse": 1.25e-4}    # spacing where no coating asks for less, m
-COLUMNS = ("shape", "load", "content", "dimension", "peak", "stress_section", "stress_grain", "stiffness", "energy", "mode",
-           "left", "mode_ahead", "share_grain1", "share_grain2", "share_inside", "way_at_peak", "way_at_failure", "broken", "dissipated",
-           "imbalance", "points", "failed", "let_go", "attached", "steps", "duration", "wall", "inner", "volume",
-           "section", "spacing", "parameters")
+VARIABLES = (
+    "points",
+    "share",
+    "cap",
+    "gap",
+    "diameter",
+    "percell",
+    "grid",
+    "inner",
+    "B0",
+    "cutoff",
+    "zeta",
+    "interface",
+    "bonding",
+    "regularization",
+    "edge",
+    "cracks",
+    "axis",
+    "speed",
+    "ramp",
+    "arm",
+    "angle",
+    "rate",
+    "courant",
+    "record",
+    "chunk",
+    "limit",
+    "frames",
+    "spacing",
+)
+OWN = {
+    "refine": 1.0,  # divides the spacing
+    "layers": 3.0,  # of points through a coating, at least
+    "coarse": 1.25e-4,
+}  # spacing where no coating asks for less, m
+COLUMNS = (
+    "shape",
+    "load",
+    "content",
+    "dimension",
+    "peak",
+    "stress_section",
+    "stress_grain",
+    "stiffness",
+    "energy",
+    "mode",
+    "left",
+    "mode_ahead",
+    "share_grain1",
+    "share_grain2",
+    "share_inside",
+    "way_at_peak",
+    "way_at_failure",
+    "broken",
+    "dissipated",
+    "imbalance",
+    "points",
+    "failed",
+    "let_go",
+    "attached",
+    "steps",
+    "duration",
+    "wall",
+    "inner",
+    "volume",
+    "section",
+    "spacing",
+    "parameters",
+)
 
 
 def coating_thickness(content, gap=0.0):
@@ -33,8 +93,8 @@ def coating_thickness(content, gap=0.0):
     volume, d, t = content * 2 * 4 / 3 * math.pi * RADIUS**3 * DENSITY_RATIO, 2 * RADIUS + gap, 0.0
     for _ in range(60):
         S = RADIUS + t
-        lens = math.pi * max(2 * S - d, 0.0)**2 * (d * d + 4 * d * S) / (12 * d)
-        t = (RADIUS**3 + (volume + lens) * 3 / (8 * math.pi))**(1 / 3) - RADIUS
+        lens = math.pi * max(2 * S - d, 0.0) ** 2 * (d * d + 4 * d * S) / (12 * d)
+        t = (RADIUS**3 + (volume + lens) * 3 / (8 * math.pi)) ** (1 / 3) - RADIUS
     return t
 
 
@@ -63,10 +123,16 @@ class Run:
             spacing = min(spacing, coating_thickness(share * content, float(extra.get("gap", 0.0))) / own["layers"])
         self.spacing = number("spacing", extra.get("spacing", spacing / own["refine"]))
         step = number("courant", extra.get("courant", 0.4)) * self.spacing * number("percell", extra.get("percell", 2)) / WAVE
-        self.arguments = {"shape": shape, "load": load, "content": f"{content:g}", "spacing": f"{self.spacing:.6g}",
-                          "chunk": str(10 * max(10, math.ceil(0.1 * WINDOW / step))),
-                          "record": str(max(5, 5 * round(0.02 * WINDOW / step))), "frames": "100000000",
-                          "limit": str(100 * math.ceil(0.01 * self.duration() / step))}
+        self.arguments = {
+            "shape": shape,
+            "load": load,
+            "content": f"{content:g}",
+            "spacing": f"{self.spacing:.6g}",
+            "chunk": str(10 * max(10, math.ceil(0.1 * WINDOW / step))),
+            "record": str(max(5, 5 * round(0.02 * WINDOW / step))),
+            "frames": "100000000",
+            "limit": str(100 * math.ceil(0.01 * self.duration() / step)),
+        }
         self.arguments.update({k: str(v) for k, v in extra.items() if k not in OWN})
         words = [f"{k}={str(v).replace(' ', '_').replace('/', '_')}" for k, v in sorted(self.extra.items())]
         self.window = number("chunk", self.arguments["chunk"]) * step  # s over which the script averages
@@ -143,9 +209,15 @@ def write(path, runs, out):
         w = csv.writer(f, lineterminator="\n")
         w.writerow(COLUMNS)
         for run, res in rows:
-            known = {**res, "shape": run.shape, "load": run.load, "content": run.content, "spacing": run.spacing,
-                     "parameters": " ".join(f"{k}={str(v).replace(' ', ':')}" for k, v in sorted(run.extra.items())),
-                     "broken": "yes" if res["broken"] else "no"}
+            known = {
+                **res,
+                "shape": run.shape,
+                "load": run.load,
+                "content": run.content,
+                "spacing": run.spacing,
+                "parameters": " ".join(f"{k}={str(v).replace(' ', ':')}" for k, v in sorted(run.extra.items())),
+                "broken": "yes" if res["broken"] else "no",
+            }
             row = [known.get(c, "") for c in COLUMNS]  # a run may be older than a column
             w.writerow([f"{v:.6g}" if isinstance(v, float) else v for v in row])
     os.replace(path + ".tmp", path)

@@ -15,12 +15,21 @@ from matplotlib.lines import Line2D
 from . import run as files
 from .figures import plt, save
 
-SHAPES = {"flat": ("flat ring", "#1b2a49"), "meniscus": ("meniscus", "#2a8f7b"), "coating": ("coating", "#c8553d"),
-          "coating+meniscus": ("coating and meniscus", "#8a5fa8"), "file": ("points of a file", "#6b6b6b")}
-MODES = {"debonding": ("debonding from a bead", "o"), "internal": ("inside the cement", "s"), "mixed": ("mixed", "D"),
-         "intact": ("not separated at the end", "x")}
+SHAPES = {
+    "flat": ("flat ring", "#1b2a49"),
+    "meniscus": ("meniscus", "#2a8f7b"),
+    "coating": ("coating", "#c8553d"),
+    "coating+meniscus": ("coating and meniscus", "#8a5fa8"),
+    "file": ("points of a file", "#6b6b6b"),
+}
+MODES = {
+    "debonding": ("debonding from a bead", "o"),
+    "internal": ("inside the cement", "s"),
+    "mixed": ("mixed", "D"),
+    "intact": ("not separated at the end", "x"),
+}
 STYLES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
-HAM_CONTENT = 17.0                                   # %: debonding below, internal failure above
+HAM_CONTENT = 17.0  # %: debonding below, internal failure above
 HAM = {"tension": (35.0, 8.0), "shear": (13.0, 7.0)}  # kPa, below and above
 HAM_COLOUR = "#b8860b"
 
@@ -47,25 +56,38 @@ def bonding(words):
         return None
     _, *pairs = words.split()
     value = dict(zip(pairs[::2], pairs[1::2]))
-    return (f"interface of {float(value['tn']) / 1e6:.3g} and {float(value['tt']) / 1e6:.3g} MPa, "
-            f"{value['Gn']} and {value['Gt']} J/m² in opening and shear")
+    return f"interface of {float(value['tn']) / 1e6:.3g} and {float(value['tt']) / 1e6:.3g} MPa, " f"{value['Gn']} and {value['Gt']} J/m² in opening and shear"
 
 
 WORDS = {
     "points": lambda v: v.rsplit("/", 1)[-1],
     "regularization": softening,
     "cracks": lambda v: "nodes split at cracks" if v == "split" else "nodes split where bonds part",
-    "interface": lambda v: f"threshold at the beads {v} of that inside", "bonding": bonding, "B0": lambda v: f"threshold {float(v) / 1e3:.4g} kPa",
-    "cutoff": lambda v: f"failure at damage {v}", "zeta": lambda v: f"tensile over compressive strength {v}",
-    "axis": lambda v: f"elastic axis {v}", "edge": lambda v: f"edge nodes {v}",
-    "share": lambda v: f"{100 * float(v):.3g} % of the cement in the coating", "cap": lambda v: f"coating up to {v}°",
-    "gap": lambda v: f"beads {metres(v)} apart", "diameter": lambda v: f"upper bead of {metres(v)}", "inner": lambda v: None if v == "auto" else f"no cement within {metres(v)}",
-    "coarse": lambda v: f"spacing {metres(v)}", "spacing": lambda v: f"spacing {metres(v)}",
+    "interface": lambda v: f"threshold at the beads {v} of that inside",
+    "bonding": bonding,
+    "B0": lambda v: f"threshold {float(v) / 1e3:.4g} kPa",
+    "cutoff": lambda v: f"failure at damage {v}",
+    "zeta": lambda v: f"tensile over compressive strength {v}",
+    "axis": lambda v: f"elastic axis {v}",
+    "edge": lambda v: f"edge nodes {v}",
+    "share": lambda v: f"{100 * float(v):.3g} % of the cement in the coating",
+    "cap": lambda v: f"coating up to {v}°",
+    "gap": lambda v: f"beads {metres(v)} apart",
+    "diameter": lambda v: f"upper bead of {metres(v)}",
+    "inner": lambda v: None if v == "auto" else f"no cement within {metres(v)}",
+    "coarse": lambda v: f"spacing {metres(v)}",
+    "spacing": lambda v: f"spacing {metres(v)}",
     "refine": lambda v: None if float(v) == 1 else f"spacing divided by {v}",
-    "layers": lambda v: f"{v} layers of points in a shell", "percell": lambda v: f"{v} spacings a cell", "grid": lambda v: "grid off by " + ", ".join(metres(x) for x in v.split()),
-    "courant": lambda v: f"step {v} of cell over wave speed", "speed": lambda v: f"{1e3 * float(v):.4g} mm/s",
-    "ramp": lambda v: f"speed reached in {1e6 * float(v):.3g} µs", "rate": lambda v: f"{1e-6 * float(v):.3g} N/µs",
-    "arm": lambda v: f"arm {metres(v)}", "angle": lambda v: f"{v}° from the line of centres"}
+    "layers": lambda v: f"{v} layers of points in a shell",
+    "percell": lambda v: f"{v} spacings a cell",
+    "grid": lambda v: "grid off by " + ", ".join(metres(x) for x in v.split()),
+    "courant": lambda v: f"step {v} of cell over wave speed",
+    "speed": lambda v: f"{1e3 * float(v):.4g} mm/s",
+    "ramp": lambda v: f"speed reached in {1e6 * float(v):.3g} µs",
+    "rate": lambda v: f"{1e-6 * float(v):.3g} N/µs",
+    "arm": lambda v: f"arm {metres(v)}",
+    "angle": lambda v: f"{v}° from the line of centres",
+}
 
 
 def text_of(run):
@@ -81,10 +103,20 @@ def read(path):
             rows = list(csv.DictReader(f))
         if not rows:
             raise ValueError("it has no rows")
-        return [(SimpleNamespace(shape=r["shape"], load=r["load"], content=float(r["content"]),
-                                 extra=dict(w.replace(":", " ").split("=") for w in r["parameters"].split())),
-                 {"stress_grain": float(r["stress_grain"]), "mode": r["mode"],
-                  "share_grain1": float(r["share_grain1"]), "share_grain2": float(r["share_grain2"])}) for r in rows]
+        return [
+            (
+                SimpleNamespace(
+                    shape=r["shape"], load=r["load"], content=float(r["content"]), extra=dict(w.replace(":", " ").split("=") for w in r["parameters"].split())
+                ),
+                {
+                    "stress_grain": float(r["stress_grain"]),
+                    "mode": r["mode"],
+                    "share_grain1": float(r["share_grain1"]),
+                    "share_grain2": float(r["share_grain2"]),
+                },
+            )
+            for r in rows
+        ]
     except (KeyError, ValueError, TypeError, AttributeError, csv.Error) as e:
         raise files.Trouble(f"{path}: not a table.csv of pair_table.py ({e}); name one") from None
 
@@ -102,20 +134,22 @@ def draw(path, rows):
     beside = across > 1  # the second legend stands beside the first, else above it
     legend = 0.2 + line * (max(keys, len(settings)) if beside else keys + len(settings) + 1)
     fig, axes = plt.subplots(down, across, figsize=(max(3.3 * across, 4.2), 2.8 * down + legend), squeeze=False)
-    for ax in axes.flat[len(loads):]:
+    for ax in axes.flat[len(loads) :]:
         ax.set_visible(False)
     for ax, load in zip(axes.flat, loads):
         panel(ax, load, [(r, res) for r, res in rows if r.load == load], settings)
     fig.tight_layout(rect=(0, legend / fig.get_figheight(), 1, 1))
     handles = [Line2D([], [], color=SHAPES[s][1], lw=1.5, label=SHAPES[s][0]) for s in shapes]
-    handles += [Line2D([], [], color="0.3", marker=MODES[m][1], ls="", ms=5, mfc="0.3" if m == "debonding" else "none", label=MODES[m][0])
-                for m in modes]
+    handles += [Line2D([], [], color="0.3", marker=MODES[m][1], ls="", ms=5, mfc="0.3" if m == "debonding" else "none", label=MODES[m][0]) for m in modes]
     if measured:
         handles.append(Line2D([], [], color=HAM_COLOUR, lw=3, alpha=0.7, label="measured, Ham et al. (2022)"))
     kinds = [Line2D([], [], color="0.3", ls=STYLES[i % len(STYLES)], lw=0.9, label=s) for i, s in enumerate(settings)]
     fig.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.02, 0.005), ncol=2, frameon=False, columnspacing=1.0)
-    place = dict(loc="lower right", bbox_to_anchor=(0.99, 0.005)) if beside else \
-        dict(loc="lower left", bbox_to_anchor=(0.02, 0.005 + line * (keys + 0.5) / fig.get_figheight()))
+    place = (
+        dict(loc="lower right", bbox_to_anchor=(0.99, 0.005))
+        if beside
+        else dict(loc="lower left", bbox_to_anchor=(0.02, 0.005 + line * (keys + 0.5) / fig.get_figheight()))
+    )
     fig.legend(handles=kinds, frameon=False, **place)
     save(fig, path)
 

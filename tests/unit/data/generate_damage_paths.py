@@ -84,8 +84,7 @@ def symmetric(t):
 
 
 class Material:
-    def __init__(self, Ep, Ez, nup, nuzp, Gzp, B0, Dcut=0.9, m=0.0, zeta=1.0,
-                 evolution="monotone"):
+    def __init__(self, Ep, Ez, nup, nuzp, Gzp, B0, Dcut=0.9, m=0.0, zeta=1.0, evolution="monotone"):
         self.parameters = (Ep, Ez, nup, nuzp, Gzp, B0, Dcut, m, zeta, evolution)
         self.B0, self.Dcut, self.m, self.zeta = B0, Dcut, m, zeta
         self.monotone = evolution == "monotone"
@@ -105,8 +104,7 @@ class Material:
         sxx = self.C11 * e[0, 0] + self.C12 * e[1, 1] + self.C13 * e[2, 2]
         syy = self.C12 * e[0, 0] + self.C11 * e[1, 1] + self.C13 * e[2, 2]
         szz = self.C13 * (e[0, 0] + e[1, 1]) + self.C33 * e[2, 2]
-        return tensor((sxx, syy, szz, 2.0 * self.C44 * e[1, 2],
-                       2.0 * self.C44 * e[0, 2], 2.0 * self.C66 * e[0, 1]))
+        return tensor((sxx, syy, szz, 2.0 * self.C44 * e[1, 2], 2.0 * self.C44 * e[0, 2], 2.0 * self.C66 * e[0, 1]))
 
     @staticmethod
     def reduction(D):
@@ -125,8 +123,7 @@ class Material:
         e = axes.T @ effective_strain @ axes
         y = symmetric(s @ e) / np.outer(a, a)
         psi = 0.5 * np.sum(effective_strain * effective_stress)
-        return (effective_strain, effective_stress, symmetric(axes @ s @ axes.T),
-                psi, symmetric(axes @ y @ axes.T))
+        return (effective_strain, effective_stress, symmetric(axes @ s @ axes.T), psi, symmetric(axes @ y @ axes.T))
 
     def drive(self, eps, D):
         Y = self.state(eps, D)[4]
@@ -141,7 +138,7 @@ class Material:
         w = np.linalg.eigvalsh(self.state(eps, D)[1])
         total = np.abs(w).sum()
         r = np.maximum(w, 0.0).sum() / total if total > 0.0 else 1.0
-        return r + (1.0 - r) * self.zeta ** 2
+        return r + (1.0 - r) * self.zeta**2
 
     def threshold(self, D, s):
         B = self.B0 / s
@@ -152,6 +149,7 @@ class Material:
     def largest_step(self, D, N):
         def beyond(x):
             return np.linalg.eigvalsh(D + x * N)[-1] >= self.Dcut
+
         high = 1e-3
         while not beyond(high) and high < 10.0:
             high *= 2.0
@@ -188,9 +186,11 @@ class Material:
 
     def along(self, eps, Dn, N, s, places):
         """First root along N, bracketed at `places` of the range: D, failed"""
+
         def outside(x):
             D = Dn + x * N
             return yeq(self.drive(eps, D)) > self.threshold(D, s)
+
         top = self.largest_step(Dn, N)
         low, high = 0.0, None
         for x in top * np.minimum(places, 1.0):
@@ -212,8 +212,7 @@ class Material:
 
     def direction(self, eps_start, eps, Dn, drive, s):
         N = drive / np.linalg.norm(drive)
-        tangent = (np.sum(drive * self.slope_of_force(eps, Dn, N)) / (2.0 * yeq(drive))
-                   - self.slope_of_threshold(Dn, N, s))
+        tangent = np.sum(drive * self.slope_of_force(eps, Dn, N)) / (2.0 * yeq(drive)) - self.slope_of_threshold(Dn, N, s)
         delta = self.largest_step(Dn, N)
         if tangent < 0.0:
             delta = min(delta, (self.threshold(Dn, s) - yeq(drive)) / tangent)
@@ -234,13 +233,13 @@ class Material:
 
         def slope(Z, dX):
             return reduced(dX - symmetric(rate @ Z))
+
         e = reduced(eps)
         de = slope(e, np.zeros((3, 3)))
         sigma = reduced(self.elastic(e))
         dsigma = slope(sigma, self.elastic(de))
         inner = symmetric(sigma @ e)
-        return (phi @ symmetric(dsigma @ e + sigma @ de) @ phi
-                + 2.0 * symmetric(rate @ inner @ phi))
+        return phi @ symmetric(dsigma @ e + sigma @ de) @ phi + 2.0 * symmetric(rate @ inner @ phi)
 
     def slope_of_threshold(self, D, N, s):
         if self.m == 0.0:
@@ -265,9 +264,7 @@ def run(material, strains):
         new, failed = material.update(start, eps, D)
         before = material.state(eps, D)[3]
         _, _, sigma, after, _ = material.state(eps, new)
-        rows.append((strain, six(new), np.zeros(6) if failed else six(sigma),
-                     yeq(material.drive(eps, new)) / material.B0, failed,
-                     before - after))
+        rows.append((strain, six(new), np.zeros(6) if failed else six(sigma), yeq(material.drive(eps, new)) / material.B0, failed, before - after))
         D, start = new, eps
         if failed:
             break
@@ -280,12 +277,10 @@ def sensitivity(material, strains, rows, rng):
     n = len(rows)
     shape = (n, 6)
     # all strains up, all down, and every component up or down at random, twice
-    for signs in (np.ones(shape), -np.ones(shape),
-                  rng.choice((-1.0, 1.0), shape), rng.choice((-1.0, 1.0), shape)):
+    for signs in (np.ones(shape), -np.ones(shape), rng.choice((-1.0, 1.0), shape), rng.choice((-1.0, 1.0), shape)):
         other = run(material, strains[:n] * (1.0 + 1e-15 * signs))
         for i in range(n):
-            if (i >= len(other) or other[i][4] != rows[i][4]
-                    or np.abs(other[i][1] - rows[i][1]).max() > 1e-12):
+            if i >= len(other) or other[i][4] != rows[i][4] or np.abs(other[i][1] - rows[i][1]).max() > 1e-12:
                 flags[i] = 1
     return flags
 
@@ -323,8 +318,7 @@ def several_roots(material, factor, rng):
         N = drive / np.linalg.norm(drive)
         top = material.largest_step(zero, N)
         s = material.weight(eps, zero)
-        outside = [yeq(material.drive(eps, x * N)) > material.threshold(x * N, s)
-                   for x in np.linspace(0.0, top, 60)]
+        outside = [yeq(material.drive(eps, x * N)) > material.threshold(x * N, s) for x in np.linspace(0.0, top, 60)]
         changes = np.count_nonzero(np.diff(np.array(outside, dtype=int)))
         if changes > 1 and not material.update(zero, eps, zero)[1]:
             return strain
@@ -355,7 +349,7 @@ ISO = (60e9, 60e9, 0.3, 0.3, 60e9 / 2.0 / 1.3)
 VTI_A = (50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9)
 VTI_B = (91.6e9, 57.6e9, 0.318, 0.19, 34.1e9)
 HIGH, LOW = 9.6e6, 9.6e3
-JUMP = 1.25     # first step of the paths "jump", in onset strains
+JUMP = 1.25  # first step of the paths "jump", in onset strains
 
 # kind, elastic set, B0, m, zeta, evolution, steps, reach (in onset strains)
 PATHS = (
@@ -416,30 +410,25 @@ def build():
     """(material, strains, rows) of every path"""
     for number, (kind, elastic, B0, m, zeta, evolution, steps, reach) in enumerate(PATHS):
         material = Material(*elastic, B0, m=m, zeta=zeta, evolution=evolution)
-        strains = strain_path(kind, material, steps, reach,
-                              np.random.default_rng((SEED, number)))
+        strains = strain_path(kind, material, steps, reach, np.random.default_rng((SEED, number)))
         yield material, strains, run(material, strains)
 
 
 def main():
     here = os.path.dirname(os.path.abspath(__file__))
     target = sys.argv[1] if len(sys.argv) > 1 else os.path.join(here, "damage_paths.csv")
-    header = ["path", "step", "Ep", "Ez", "nup", "nuzp", "Gzp", "B0", "Dcut", "m",
-              "zeta", "evolution"]
+    header = ["path", "step", "Ep", "Ez", "nup", "nuzp", "Gzp", "B0", "Dcut", "m", "zeta", "evolution"]
     header += [letter + n for letter in "eDs" for n in NAMES]
     header += ["Yeq_over_B0", "failed", "dissipation", "sensitive"]
     with open(target, "w", encoding="ascii", newline="\n") as out:
         out.write(",".join(header) + "\n")
         for number, (material, strains, rows) in enumerate(build()):
-            flags = sensitivity(material, strains, rows,
-                                np.random.default_rng((SEED, number, 1)))
-            given = ["%s" % p if isinstance(p, str) else "%.17g" % p
-                     for p in material.parameters]
+            flags = sensitivity(material, strains, rows, np.random.default_rng((SEED, number, 1)))
+            given = ["%s" % p if isinstance(p, str) else "%.17g" % p for p in material.parameters]
             for i, (strain, damage, stress, ratio, failed, lost) in enumerate(rows):
                 fields = [str(number), str(i + 1)] + given
                 # + 0.0 turns a negative zero into zero
-                fields += ["%.17g" % (x + 0.0)
-                           for x in (*strain, *damage, *stress, ratio)]
+                fields += ["%.17g" % (x + 0.0) for x in (*strain, *damage, *stress, ratio)]
                 fields += [str(int(failed)), "%.17g" % (lost + 0.0), str(flags[i])]
                 out.write(",".join(fields) + "\n")
 
