@@ -23,6 +23,8 @@ $(BUILD)/.setup: tools/setup.sh
 	touch $@
 
 # The flat pair pulled apart: figures on screen, CSV and PNG in $(DEMO).
+# Files are compiled several at a time, which takes half of the time of a first build.
+demo test: CMAKE_OPTIONS += -DMPDEM_UNITY=ON
 demo: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)
 	cmake --build $(BUILD) --parallel $(JOBS) --target liggghts-mpdem

@@ -22,7 +22,7 @@ struct Patch {
   double area = 0;
 };
 
-Cell cell_of(const Vector3& x, double spacing) {
+Cell lattice_cell_of(const Vector3& x, double spacing) {
   Cell c;
   for (int d = 0; d < 3; ++d) c[d] = static_cast<int>(std::floor(x[d] / spacing));
   return c;
@@ -47,7 +47,7 @@ Owner owner_around(const std::vector<Neighbour>& neighbours, const Vector3& x, d
 
 // Index of the point whose cell contains x, or of the nearest one in cells around it; -1: none within three cells.
 int owner_of(const std::vector<Cell>& cells, const std::vector<FillPoint>& points, const Vector3& x, double spacing) {
-  const Cell at = cell_of(x, spacing);
+  const Cell at = lattice_cell_of(x, spacing);
   const auto find = [&](const Cell& c) {
     const auto it = std::lower_bound(cells.begin(), cells.end(), c);
     return it != cells.end() && *it == c ? static_cast<int>(it - cells.begin()) : -1;

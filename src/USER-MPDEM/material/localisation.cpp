@@ -14,7 +14,7 @@ constexpr int kPerLength = 8;
 constexpr double kHalfBar = 10.0;  // in lengths
 constexpr int kPoints = static_cast<int>(kHalfBar * kPerLength);
 constexpr int kSteps = 60;  // steps of the damage in the middle
-constexpr double kTolerance = 1e-10;
+constexpr double kLargestLastChange = 1e-10;
 constexpr int kMostIterations = 60;
 constexpr double kLongestStep = 0.3;
 
@@ -68,7 +68,7 @@ class Bar {
       if (most > kLongestStep) change *= kLongestStep / most;
       s.log_stress += change[0];
       s.x.segment(1, growing - 1) += change.tail(growing - 1);
-      if (most < kTolerance) return true;
+      if (most < kLargestLastChange) return true;
     }
     return false;
   }

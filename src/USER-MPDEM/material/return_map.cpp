@@ -142,10 +142,10 @@ vmask TensorDamage::near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N,
     const vd secant = (x.excess - excess) / step;
     const vd slope_here = k == 0 ? 2.0 * secant - slope : select(abs(step) > kLeastSecant, secant, slope);
     const vd next = -x.excess / slope_here;
-    const vmask queue_stressed = open & (abs(next) <= kTolerance);
-    found.take(queue_stressed, x);
-    done |= queue_stressed;
-    open &= ~queue_stressed & (abs(next) <= 0.5 * abs(step)) & (slope_here < 0.0) & (delta + next > 0.0) &
+    const vmask converged = open & (abs(next) <= kTolerance);
+    found.take(converged, x);
+    done |= converged;
+    open &= ~converged & (abs(next) <= 0.5 * abs(step)) & (slope_here < 0.0) & (delta + next > 0.0) &
             ~at_cutoff(s.damage + (delta + next) * N);
     excess = x.excess;
     slope = slope_here;
@@ -181,9 +181,9 @@ vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vd limit,
     const vd slope = contract(gradient(s, x), N), newton = delta - x.excess / slope;
     const vmask good = (slope < 0.0) & (newton >= low) & (newton <= high) & splat_mask(k < 20);
     const vd next = select(good, newton, 0.5 * (low + high));
-    const vmask queue_stressed = lanes & (missing | (abs(next - delta) <= kTolerance));
-    found.take(queue_stressed, x);
-    lanes &= ~queue_stressed;
+    const vmask converged = lanes & (missing | (abs(next - delta) <= kTolerance));
+    found.take(converged, x);
+    lanes &= ~converged;
     if (!any(lanes)) break;
     delta = select(lanes, next, delta);
   }

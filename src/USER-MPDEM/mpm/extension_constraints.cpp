@@ -16,16 +16,16 @@ namespace mpdem {
 
 namespace {
 
-// Thresholds of mass. kConstrainedBelow of the basis is relative to the mass of the next node. None is near the ratios of a
-// lattice with full cells, so rounding decides nothing.
+// Thresholds of mass. kConstrainedBelow of the basis is relative to the mass of the next node inwards. No threshold is near a
+// ratio of masses of a lattice with full cells, so rounding decides nothing.
 double constrained_below(Basis basis) {
   return with_basis(basis, [](auto type) { return decltype(type)::kConstrainedBelow; });
 }
 constexpr double kSecond = 2.0;  // the second node must have at least so many times the mass of the constrained one
-constexpr double kAlike = 1e-6;
+constexpr double kAlike = 1e-6;  // directions whose ratios of mass differ by less are as good as each other
 
 constexpr int kDirections = 6;  // -x +x -y +y -z +z
-using Code = int;               // bit n: the node is constrained along direction n
+using Code = int;               // bit n: the node follows masters in direction n; 0: it is free
 
 using Next = std::function<Key(const Key&, int)>;
 
@@ -178,7 +178,7 @@ void ExtensionConstraints::Rows::end_row() {
   const double* const row = weight_.begin() + old;
   const double* const at = std::search(weight_.begin() + (old - std::min(old, kLast)), row, row, weight_.end());
   const bool is_new = at == row;
-  weights_.push_back(static_cast<int>(at - weight_.begin()));
+  first_weight_.push_back(static_cast<int>(at - weight_.begin()));
   if (!is_new) weight_.own().resize(old);
   first_.push_back(static_cast<int>(node_.size()));
 }
@@ -188,11 +188,11 @@ void ExtensionConstraints::Rows::append(const Rows& other, int row) {
   end_row();
 }
 
-void ExtensionConstraints::Rows::append_with_weights(const Rows& other, int first, int end) {
+void ExtensionConstraints::Rows::append_sharing_weights(const Rows& other, int first, int end) {
   const int from = other.first_[first], to = other.first_[end];
   first_.append(other.first_, first + 1, end + 1, static_cast<int>(node_.size()) - from);
   node_.append(other.node_, from, to);
-  weights_.append(other.weights_, first, end);
+  first_weight_.append(other.first_weight_, first, end);
 }
 
 bool ExtensionConstraints::Rows::same_nodes(int row, const Rows& other, int of_other) const {
@@ -202,29 +202,29 @@ bool ExtensionConstraints::Rows::same_nodes(int row, const Rows& other, int of_o
 }
 
 bool ExtensionConstraints::Rows::same_weights(int row, const Rows& other, int of_other) const {
-  const double* weights = &weight_[weights_[row]];
-  return std::equal(weights, weights + length(row), &other.weight_[other.weights_[of_other]]);
+  const double* weights = &weight_[first_weight_[row]];
+  return std::equal(weights, weights + length(row), &other.weight_[other.first_weight_[of_other]]);
 }
 
 void ExtensionConstraints::Rows::renumber(const std::vector<int>& new_index) { node_.renumber(new_index); }
 
 void ExtensionConstraints::Rows::shrink_to_fit() {
-  for (ShortList* v : {&first_, &node_, &weights_}) v->shrink_to_fit();
+  for (ShortList* v : {&first_, &node_, &first_weight_}) v->shrink_to_fit();
   weight_.own().shrink_to_fit();
 }
 
 void ExtensionConstraints::Rows::share(AlikeLists& alike) {
-  for (ShortList* v : {&first_, &node_, &weights_}) v->share(alike);
+  for (ShortList* v : {&first_, &node_, &first_weight_}) v->share(alike);
   alike.share(weight_);
 }
 
 template <class F>
 void ExtensionConstraints::Rows::for_each_row(bool backwards, F f) const {
-  const int rows = static_cast<int>(weights_.size());
+  const int rows = static_cast<int>(first_weight_.size());
   const double* weight = weight_.data();
   first_.with([&](const auto* first) {
     node_.with([&](const auto* nodes) {
-      weights_.with([&](const auto* weights) {
+      first_weight_.with([&](const auto* weights) {
         for (int n = 0; n < rows; ++n) {
           const int row = backwards ? rows - 1 - n : n;
           f(row, first[row + 1] - first[row], nodes + first[row], weight + weights[row]);
@@ -235,7 +235,7 @@ void ExtensionConstraints::Rows::for_each_row(bool backwards, F f) const {
 }
 
 std::size_t ExtensionConstraints::Rows::memory_usage() const {
-  return first_.memory_usage() + node_.memory_usage() + weights_.memory_usage() + weight_.memory_usage();
+  return first_.memory_usage() + node_.memory_usage() + first_weight_.memory_usage() + weight_.memory_usage();
 }
 
 void ExtensionConstraints::bind(const std::vector<ExtensionConstraint>& ties, const std::vector<Key>& keys, bool chained) {
@@ -308,15 +308,15 @@ void ExtensionConstraints::append(const ExtensionConstraints& other, int row) {
   mass_receivers_.append(other.mass_receivers_, row);
 }
 
-void ExtensionConstraints::append_with_weights(const ExtensionConstraints& other, int first, int end) {
+void ExtensionConstraints::append_sharing_weights(const ExtensionConstraints& other, int first, int end) {
   constrained_.append(other.constrained_, first, end);
-  masters_.append_with_weights(other.masters_, first, end);
-  mass_receivers_.append_with_weights(other.mass_receivers_, first, end);
+  masters_.append_sharing_weights(other.masters_, first, end);
+  mass_receivers_.append_sharing_weights(other.mass_receivers_, first, end);
 }
 
 // Few constraints change, so the rows between them are copied together.
-bool ExtensionConstraints::exchange(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted,
-                                    const std::vector<Key>& keys) {
+bool ExtensionConstraints::replace(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted,
+                                   const std::vector<Key>& keys) {
   ExtensionConstraints fresh, next;
   fresh.bind(wanted, keys);
   next.masters_.take_weights(masters_);
@@ -324,7 +324,7 @@ bool ExtensionConstraints::exchange(const std::vector<int>& nodes, const std::ve
   bool freed = false;
   int t = 0, f = 0;  // next row of *this, and next row of fresh
   const auto keep_until = [&](int end) {
-    next.append_with_weights(*this, t, end);
+    next.append_sharing_weights(*this, t, end);
     t = end;
   };
   for (int node : nodes) {

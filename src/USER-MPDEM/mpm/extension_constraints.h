@@ -66,7 +66,7 @@ class ExtensionConstraints {
   // Replaces the constraints of these nodes (ascending) by the wanted ones. Returns true if a node at the edge, one
   // with several masters, is now free or has other masters, weights or mass receivers. This moves momentum between
   // nodes.
-  bool exchange(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted, const std::vector<Key>& keys);
+  bool replace(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted, const std::vector<Key>& keys);
   // Returns the constraints with keys instead of indices, in the order of the constrained nodes.
   std::vector<ExtensionConstraint> by_key(const std::vector<Key>& keys) const;
 
@@ -122,10 +122,10 @@ class ExtensionConstraints {
     }
     void end_row();
     void append(const Rows& other, int row);
-    // Uses the list of weights of another object, whose rows can then be appended with append_with_weights().
+    // Uses the list of weights of another object, whose rows can then be appended with append_sharing_weights().
     void take_weights(const Rows& other) { weight_ = other.weight_; }
     // Appends the rows [first, end) of an object whose list of weights is in use.
-    void append_with_weights(const Rows& other, int first, int end);
+    void append_sharing_weights(const Rows& other, int first, int end);
     int length(int row) const { return first_[row + 1] - first_[row]; }
     bool same_nodes(int row, const Rows& other, int of_other) const;
     bool same_weights(int row, const Rows& other, int of_other) const;
@@ -134,7 +134,7 @@ class ExtensionConstraints {
     void share(AlikeLists& alike);
     template <class F>
     void for_each(int row, F f) const {
-      const double* weight = weight_.data() + weights_[row];
+      const double* weight = weight_.data() + first_weight_[row];
       for (int n = first_[row]; n < first_[row + 1]; ++n) f(node_[n], *weight++);
     }
     // Calls f(row, length, pointer to its nodes, pointer to its weights) for all rows, ascending or backwards.
@@ -143,7 +143,7 @@ class ExtensionConstraints {
     std::size_t memory_usage() const;
 
    private:
-    ShortList first_ = begun(), node_, weights_;  // first entry of a row, nodes of entries, first weight of a row
+    ShortList first_ = begun(), node_, first_weight_;  // first entry of a row, nodes of entries, first weight of a row
     SharedList<double> weight_;
     static ShortList begun() {
       ShortList list;
@@ -152,7 +152,7 @@ class ExtensionConstraints {
     }
   };
   void append(const ExtensionConstraints& other, int row);
-  void append_with_weights(const ExtensionConstraints& other, int first, int end);
+  void append_sharing_weights(const ExtensionConstraints& other, int first, int end);
   void bind_chain(const std::vector<ExtensionConstraint>& ties, const std::vector<Key>& keys);
   template <class T>
   void gather_to_masters_as(double* values) const;

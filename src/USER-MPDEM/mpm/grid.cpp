@@ -348,7 +348,7 @@ void Grid::find_columns(BlockMeta& m) const {
 bool Grid::find_constraints_anew(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted) {
   constraint_factor_.clear();
   forget_averages();
-  const bool freed = ties.exchange(nodes, wanted, keys);
+  const bool freed = ties.replace(nodes, wanted, keys);
   any_constraints_ = any_constraints_ || !ties.empty();
   return freed;
 }

@@ -72,7 +72,7 @@ class PointStress {
   }
 
   // Finds the stress of block b in its material frame, zero in failed lanes. Returns false if the block is queued for
-  // settle(). strain_start is the strain before the step. average() gives the average that drives nonlocal damage.
+  // flush(). strain_start is the strain before the step. average() gives the average that drives nonlocal damage.
   template <class Average>
   bool operator()(int b, const Sym3<vd>& strain_start, const Average& average, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
@@ -154,7 +154,7 @@ class PointStress {
     for (int i = 0; i < vectors; ++i) t[kLanes * i] = f[kLanes * i];
   }
 
-  // place: eight times the index of the block in waiting_ plus the lane.
+  // place: eight times the index of the block in queue_ plus the lane.
   void enqueue(int place, const Sym3<vd>& strain_start, vd strength) {
     const int l = place % kLanes, b = queue_[place / kLanes].block, to = queued_points_ % kLanes;
     Points& v = vectors_[queued_points_ / kLanes];

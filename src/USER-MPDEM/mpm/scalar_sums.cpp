@@ -9,7 +9,7 @@ namespace mpdem {
 
 namespace {
 
-constexpr double kRounding = 1e-9;  // of the positions of points, in cells
+constexpr double kRoundingOfPositions = 1e-9;  // of the positions of points, in cells
 constexpr int kNone = -1;
 constexpr int kAlone = -2;  // index of a single point while indices are found: kAlone - its number
 
@@ -132,7 +132,7 @@ std::uint8_t in_lattice(const PointBlock& p, const BlockMeta& m, double inverse_
     vd base = splat(m.base[d]);
     if (reach_along(m.joined, d) > 0) base += select(lanes(m.second), splat(1.0), vd{}) + select(lanes(m.third), splat(2.0), vd{});
     const vd off = p.X[d] * inverse_h - (base + middle);
-    in &= abs(abs(off) - 0.25) < kRounding;
+    in &= abs(abs(off) - 0.25) < kRoundingOfPositions;
     upper[d] = off > 0.0;
   }
   for (int l = 0; l < kLanes; ++l) place[l] = 4 * (upper[0][l] != 0) + 2 * (upper[1][l] != 0) + (upper[2][l] != 0);

@@ -21,7 +21,7 @@ namespace mpdem {
 
 namespace {
 
-enum Check { cells };  // checks of a bond in their order; cement_overlaps.cpp has the next ones
+enum FillCheck { cells };  // checks of a bond in their order; cement_overlaps.cpp has the next ones
 
 // Collective. Returns the text of a file that only the first rank reads.
 std::string broadcast_file(MPI_Comm comm, const std::string& name, std::string& trouble) {

@@ -18,7 +18,7 @@ namespace mpdem {
 
 namespace {
 
-enum Check { overlap = 1, other_grains, numbers, outside };  // checks of a bond in order, after those of its points
+enum OverlapCheck { overlap = 1, other_grains, numbers, outside };  // checks of a bond in order, after those of its points
 
 // Finds the points of a fill near a position, by cells of this width.
 class PointsNear {

@@ -16,8 +16,8 @@
 namespace mpdem {
 
 namespace {
-constexpr double kRounding = 1e-9;                              // rounding of lengths that a script computed
-enum Check { geometry, shape, position_of_points, thickness };  // checks of a bond, in their order
+constexpr double kRoundingOfLengths = 1e-9;                              // rounding of lengths that a script computed
+enum PlanCheck { geometry, shape, position_of_points, thickness };  // checks of a bond, in their order
 }  // namespace
 
 void BondTrouble::tell(std::size_t of_bond, int of_check, const std::string& why) {
@@ -82,7 +82,7 @@ std::string CementPlan::trouble_of_geometry(PlannedBond& bond) const {
   const double gap = bond.pair.gap, smaller = std::min(g0.radius, g1.radius), reach = 0.5 * smaller;
   const std::string far = error_of_position(bond, smaller);
   if (!far.empty()) return far;
-  if (!(centres.norm() > 0.0) || !(gap <= reach * (1.0 + kRounding)))
+  if (!(centres.norm() > 0.0) || !(gap <= reach * (1.0 + kRoundingOfLengths)))
     return text_of("grains ", g0.tag, " and ", g1.tag, " are not neighbours: their gap ", gap, " exceeds half the smaller radius, ", reach,
                    "; bring them together or name other grains");
   if (!(gap > -0.2 * reach))

@@ -114,7 +114,7 @@ void count_bonds(const Cracks& cracks, int resolved, CementTotals& t) {
 }
 
 // Sums over points, then over nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what accumulates.
-enum Sum {
+enum TotalIndex {
   kPoints,
   kFailed,
   kVolume,

@@ -145,7 +145,8 @@ std::vector<Departures::Share> Departures::shares(const Leaving& leaving) const 
   return all;
 }
 
-// Adds the share of this rank in a resolved bond, with `sign`.
+// Adds the share of this rank in a resolved bond: sign 1 before cement leaves, -1 after it. ahead: work that the energy
+// balance has counted in advance for the second half of the step.
 void Departures::add_resolved(const Bond& b, double sign, EnergyBalance::Left& left, double& ahead) const {
   left.energy += sign * work_.energy_of(b);
   ahead += sign * work_.ahead_of(b);
@@ -157,8 +158,8 @@ void Departures::add_resolved(const Bond& b, double sign, EnergyBalance::Left& l
   for (int d = 0; d < 3; ++d) left.momentum[d] += momentum[d];
 }
 
-// Adds the share of this rank in the pieces of a condensed bond, with `sign`. The work still ahead of a piece raises
-// its energy to that of its velocity after the next kick.
+// Adds the share of this rank in the pieces of a condensed bond, as add_resolved() does. The work counted in advance is what
+// brings a piece to its velocity at the end of the step.
 void Departures::add_pieces(const Pieces& pieces, double sign, EnergyBalance::Left& left, double& ahead) const {
   const double dt = scene_.dt_last;
   for (int n = 0; n < 2; ++n) {
@@ -258,7 +259,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   condensing_.condense(leaving.rows, false);
   for (const Pieces& p : pieces) add_pieces(p, -1.0, left, ahead);
   scene_.energy.leave(left);
-  scene_.energy.start(0.0, {-ahead, 0.0}, {}, 0.0);  // that work is not done
+  scene_.energy.start(0.0, {-ahead, 0.0}, {}, 0.0);  // takes back the work counted in advance, which is not done any more
   return tags;
 }
 

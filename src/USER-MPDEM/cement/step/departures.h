@@ -32,14 +32,13 @@ struct Departing {
   std::map<int, std::vector<int>> deleted;  // points that commands or fixes deleted
 };
 
+// What may leave of it, and what must not.
 struct Leaving {
   std::vector<int> grains;                // those of Departing
   std::vector<int> rows;                  // rows from which something leaves, ascending, the same on all ranks
   std::map<int, std::vector<int>> slots;  // points that leave, of this rank
-  // What must not leave: a grain that is joined to one that stays, 0: none, the same on all ranks; IDs of points of
-  // this rank that are connected to a grain that stays.
-  int joined_grain = 0;
-  std::vector<int> attached_outside, attached_deleted;
+  int joined_grain = 0;  // a grain that must not leave, since its cement is connected to one that stays; 0: none; the same on all ranks
+  std::vector<int> attached_outside, attached_deleted;  // IDs of points of this rank that must not leave for the same reason
 };
 
 class Departures {

@@ -12,14 +12,14 @@ namespace {
 constexpr double kLimitOfTransfers = 2.0;
 
 // The reference is fixed, and velocities belong to the nodes.
-class TotalLagrangian : public Formulation {
+class TotalFormulation : public Formulation {
  public:
   std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_total(context); }
   std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<NodeSplitting>(); }
 };
 
 // The reference is fixed, and velocities go to the points and back every so many steps.
-class Reprojected : public Formulation {
+class ReprojectedFormulation : public Formulation {
  public:
   std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_reprojected(context); }
   std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<SeparatePieces>(); }
@@ -27,14 +27,14 @@ class Reprojected : public Formulation {
 };
 
 // Velocities go to the points and back when the present becomes the reference.
-class RenewedReference : public Formulation {
+class RenewedFormulation : public Formulation {
  public:
   std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_renewed_reference(context); }
   std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<SeparatePieces>(); }
 };
 
 // The present is the reference, and velocities go to the points and back in every step. Points move from cell to cell.
-class UpdatedLagrangian : public Formulation {
+class UpdatedFormulation : public Formulation {
  public:
   std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_updated(context); }
   std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<JoinedPieces>(); }
@@ -59,10 +59,10 @@ class UpdatedLagrangian : public Formulation {
 }  // namespace
 
 std::unique_ptr<const Formulation> formulation_of(const CementOptions& options) {
-  if (options.updated) return std::make_unique<UpdatedLagrangian>();
-  if (options.reproject_every > 0) return std::make_unique<Reprojected>();
-  if (options.reproject_distortion > 0.0) return std::make_unique<RenewedReference>();
-  return std::make_unique<TotalLagrangian>();
+  if (options.updated) return std::make_unique<UpdatedFormulation>();
+  if (options.reproject_every > 0) return std::make_unique<ReprojectedFormulation>();
+  if (options.reproject_distortion > 0.0) return std::make_unique<RenewedFormulation>();
+  return std::make_unique<TotalFormulation>();
 }
 
 }  // namespace mpdem

@@ -30,7 +30,7 @@ constexpr bigint kMostOfPatterns = std::numeric_limits<int>::max();  // limit of
 enum Kind {
   kNoState = 0,
   kPoint = 1,
-  kGrain = 2,
+  kGrainAtom = 2,
   kNodes = 3
 };  // kNodes: number of rows of nodes, the rows, then the state of another kind
 }  // namespace
@@ -144,7 +144,7 @@ int AtomVecMpdem::pack_state(int i, double* buf) const {
     buf[m++] = kPoint;
     m = static_cast<int>(mpdem::pack(record_of(i), &buf[m]) - buf);
   } else if (slot[i] <= -2) {
-    buf[m++] = kGrain;
+    buf[m++] = kGrainAtom;
     m = static_cast<int>(mpdem::pack(grains[-2 - slot[i]], &buf[m]) - buf);
   } else {
     buf[m++] = kNoState;
@@ -160,7 +160,7 @@ int AtomVecMpdem::unpack_state(int i, const double* buf) {
     mpdem::PointRecord r;
     end = mpdem::unpack(end, r);
     add_point(i, r, atom->tag[i]);
-  } else if (kind == kGrain) {
+  } else if (kind == kGrainAtom) {
     track_orientation(i);
     end = mpdem::unpack(end, grains.back());
   }
@@ -315,7 +315,7 @@ std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own)
       of_nodes.check_whole("the bond of a node", row.row, mpdem::from(point.row, point.row));
     }
     in.tell(of_nodes.trouble());
-  } else if (state[0] == kGrain) {
+  } else if (state[0] == kGrainAtom) {
     GrainState grain;
     in.read(grain);
   } else if (state[0] != kNoState) {

@@ -44,7 +44,7 @@ constexpr double kLeastLeftOut = 0.05, kMostLeftOut = 0.9;  // limits of 'inner 
 constexpr double kMostShift = 1000.0;                       // of the origin of the grid, in spacings
 
 // All keywords. Those of shapes come once each.
-std::vector<std::string> keywords() {
+std::vector<std::string> command_keywords() {
   std::vector<std::string> all = {"shape"};
   for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
     for (const mpdem::ShapeOption& w : s.words)
@@ -205,7 +205,7 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
     } else if (key == "type") {
       type_ = args.integer(key, 1);
     } else {
-      args.unknown(key, keywords());
+      args.unknown(key, command_keywords());
     }
   }
   check_words(args, wish, has_inner, has_film);

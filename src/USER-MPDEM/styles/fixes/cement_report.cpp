@@ -27,7 +27,7 @@ using namespace LAMMPS_NS;
 namespace {
 
 // The stable step is computed twice on different blocks of points: for 'timestep auto' and for the report.
-constexpr double kRounding = 1.0 + 1e-9;
+constexpr double kRoundingOfSteps = 1.0 + 1e-9;
 
 std::string shares_of(const FractureSurface& s) {
   const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
@@ -170,7 +170,7 @@ void CementReport::stop_if_not_positive(const Cement& c) const {
 }
 
 void CementReport::stop_if_too_long(Cement& c, double limit) const {
-  if (c.dt() > kRounding * limit)
+  if (c.dt() > kRoundingOfSteps * limit)
     stop_all(lmp_,
              text_of(who_, c.stable_step().exceeds(limit), " at step ", lmp_->update->ntimestep, "; use 'timestep ",
                      0.9 * c.substeps() * limit, "' or less, ",
@@ -191,7 +191,7 @@ void CementReport::damping(Cement& c) {
   const std::string text =
       text_of("the damping of 'quasistatic ", o.mass_scale, " ", o.relax, "' shortens the stable step from ", damped.undamped, " to ",
               damped.step, is_free, "; use 'quasistatic ", o.mass_scale, " ", damped.admitted, "' or less, which leaves 0.9 of the step");
-  if (c.dt() > kRounding * damped.step)
+  if (c.dt() > kRoundingOfSteps * damped.step)
     stop_all(lmp_,
              who_ + text_of(c.stable_step().exceeds(damped.step), ": ", text, ", or 'timestep ", 0.9 * c.substeps() * damped.step, "'"));
   if (!reported_ && damped.step < 0.5 * damped.undamped) mpdem::warn(lmp_, who_ + text);

@@ -42,7 +42,7 @@ using CoupleKeyword = mpdem::Keyword<Words>;
 
 double stiffness(Arguments& args, const CoupleKeyword& k) { return args.accept("auto") ? -1.0 : args.positive(k.name, " or 'auto'"); }
 
-const std::vector<CoupleKeyword>& keywords() {
+const std::vector<CoupleKeyword>& couple_keywords() {
   using mpdem::traction_entries;
   static const std::vector<CoupleKeyword> all = {
       {"kn", "auto or pressure", "auto", [](Arguments& args, const CoupleKeyword& k, Words& w) { w.kn = stiffness(args, k); }},
@@ -84,14 +84,14 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
   cement_ = find_cement();
   if (!cement_) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
   count_bonds();
-  said_ = mpdem::parse_keywords(args, keywords(), words_, [&](const std::string& key) {
-    std::vector<std::string> known = mpdem::names_of(keywords());
+  said_ = mpdem::parse_keywords(args, couple_keywords(), words_, [&](const std::string& key) {
+    std::vector<std::string> known = mpdem::names_of(couple_keywords());
     for (const std::string& word : mpdem::law_words("interface", mpdem::traction_entries())) known.push_back(word);
     args.unknown(key, known);
   });
 }
 
-std::string FixMpmCouple::listed_words() { return mpdem::listed("fix mpm/couple", keywords()); }
+std::string FixMpmCouple::listed_words() { return mpdem::listed("fix mpm/couple", couple_keywords()); }
 
 // Scripts refer to row [1] before there are bonds.
 void FixMpmCouple::count_bonds() { size_array_rows = std::max<int>(1, static_cast<int>(AtomVecMpdem::of(lmp)->bonds.table.size())); }

@@ -184,7 +184,7 @@ void take_condense(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
     args.complain(text_of("'condense ... wake ", o.wake, "': share of the threshold of the damage, must lie in (0, 1]"));
 }
 
-const std::vector<ScriptKeyword>& keywords() {
+const std::vector<ScriptKeyword>& fix_mpm_keywords() {
   static const std::vector<ScriptKeyword> all = {
       {"cell", "length", "", [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.cell = args.positive(k.name); }},
       {"basis", "linear, quadratic or cubic", "quadratic",
@@ -248,9 +248,9 @@ void choose_defaults(ScriptOptions& w) {
 ParsedOptions parse_cement_words(Arguments& args) {
   ScriptOptions w;
   CementOptions& o = w.options;
-  const std::vector<std::string> said = parse_keywords(args, keywords(), w, [&](const std::string& key) {
+  const std::vector<std::string> said = parse_keywords(args, fix_mpm_keywords(), w, [&](const std::string& key) {
     check_misplaced(args, key, w.damage);
-    std::vector<std::string> known = names_of(keywords());
+    std::vector<std::string> known = names_of(fix_mpm_keywords());
     for (const std::string& word : law_words("damage", law_entries())) known.push_back(word);
     known.insert(known.end(), {"and after 'regularization nonlocal' energy", "imperfection"});
     args.unknown(key, known);
@@ -269,6 +269,6 @@ ParsedOptions parse_cement_words(Arguments& args) {
   return w;
 }
 
-std::string listed_cement_words() { return listed("fix mpm", keywords()); }
+std::string listed_cement_words() { return listed("fix mpm", fix_mpm_keywords()); }
 
 }  // namespace mpdem

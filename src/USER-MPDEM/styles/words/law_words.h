@@ -59,7 +59,8 @@ std::vector<std::string> law_words(const std::string& keyword, const std::vector
   return all;
 }
 
-// Stops if the keyword is an option of a law that was not given right after it. Returns if it belongs to no law.
+// Stops if `word` of the script is an option of a law, but does not stand behind that law. Returns if no law has such an
+// option. chosen: the law that the script chose.
 void check_misplaced(const Arguments& args, const std::string& word, const LawChoice& chosen);
 
 }  // namespace mpdem
