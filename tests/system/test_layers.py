@@ -267,17 +267,60 @@ def members(text):
     return {head[1]: data_members(body_at(text, head.end() - 1)) for head in re.finditer(r"\b(?:class|struct) (\w+)[^;{}()]*\{", text)}
 
 
-MOST_MEMBERS = 25
+MOST_MEMBERS, MOST_LINES = 15, 500
+RECORD = "a record or a table: one field a value"
+LOOPS = "data of one loop, laid out for it"
+LARGE_CLASSES = {
+    "BondRecord": RECORD,
+    "PointRecord": RECORD,
+    "GrainState": RECORD,
+    "CementHead": RECORD,
+    "CementTotals": RECORD,
+    "CementOptions": RECORD,
+    "BondEnd": RECORD,
+    "Grain": RECORD,
+    "Bond": "what a bond has on one rank",
+    "Cement": "its components, one each",
+    "Scene": "what the components share",
+    "FixMpm": "its components, one each",
+    "Grid": LOOPS,
+    "PointStore": LOOPS,
+    "BlockMeta": LOOPS,
+    "PenaltyLinks": LOOPS,
+    "PointStress": LOOPS,
+    "CondensedPack": LOOPS,
+    "BondedGrains": "to be divided: loads of sub-steps",
+    "CementMaker": "to be divided: batches",
+    "NodeSplitter": "to be divided: state of one node",
+    "CementReport": "messages that are printed once",
+}
+LONG_FILES = {
+    "cement/bond/bonded_grains.cpp": "see BondedGrains",
+    "cement/condensed/condensed_bonds.cpp": "to be divided: solutions",
+    "coupling/debonded_contact.cpp": "one class",
+    "coupling/penalty_links.cpp": "one class and its loops",
+    "mpm/extension_constraints.cpp": "one class and its loops",
+    "styles/atoms/atom_vec_mpdem.cpp": "one class of LIGGGHTS",
+    "styles/guards/host_guards.cpp": "one table",
+}
 
 
 def test_classes_are_small():
-    """None of cement/ has more members than that: what belongs together is a class of its own, with a header that says what it is for."""
-    found = {}  # by name; of classes of one name, the larger one
-    for path in (PACKAGE / "cement").rglob("*.h"):
+    """What belongs together is a class of its own, with a header that says what it is for. Exceptions have a reason, and go when it does."""
+    large = {}
+    for path in PACKAGE.rglob("*.h"):
         for name, of_class in members(path.read_text()).items():
-            found[name] = max(found.get(name, []), of_class, key=len)
-    assert len(found["Cement"]) > 10 and len(found["Scene"]) > 10
-    assert not [f"{name} has {len(of_class)} members: {', '.join(of_class)}" for name, of_class in found.items() if len(of_class) > MOST_MEMBERS]
+            own = [member for member in of_class if "." not in member]
+            if len(own) > MOST_MEMBERS:
+                large[name] = own
+    known = set(LARGE_CLASSES) | {"Block", "L"}  # Block of CondensedPack, and PointStress behind its template
+    assert not set(large) - known, {name: len(large[name]) for name in set(large) - known}
+    assert not {name for name in LARGE_CLASSES if name not in large} - {"PointStress", "CondensedPack"}
+
+
+def test_files_are_short():
+    long = {p.relative_to(PACKAGE).as_posix() for p in PACKAGE.rglob("*") if p.suffix in (".h", ".cpp") and len(p.read_text().splitlines()) > MOST_LINES}
+    assert long == set(LONG_FILES)
 
 
 def test_the_engine_has_no_friends():
