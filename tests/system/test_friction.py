@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`friction` of fix mpm/couple in a script: debonded cement touches again. Figures are in tests/unit/test_debonded_contact.cpp."""
+"""`friction` of fix mpm/couple in a script: debonded cement touches again. Figures are in tests/unit/coupling/test_debonded_contact.cpp."""
 import csv
 from pathlib import Path
 

@@ -16,7 +16,7 @@
 //
 // The law takes the strain of the point scaled by ebar/e, with unchanged direction. For a driving force Yeq of degree n
 // in the strain this divides the threshold by the amplification a = (ebar/e)^n. Two choices make the band of a crack
-// equally wide for every cell size (doc/theory.md, tests/unit/test_localisation.cpp). First, the norm is that of the
+// equally wide for every cell size (doc/theory.md, tests/unit/material/test_localisation.cpp). First, the norm is that of the
 // strain, not of Yeq(D): if the threshold B does not rise with damage, an average of Yeq(D) shrinks to a single layer
 // of points. Second, the square root makes the band nearly as wide at the end as at the beginning, when the strain in
 // it is some hundred times that beside it.
