@@ -53,7 +53,7 @@ const std::vector<CementValue>& cement_values() {
       {"internal", "of these internal", field<&CementTotals::internal>},
       {"mixed", "of these mixed", field<&CementTotals::mixed>},
       {"friction_energy", "energy that friction took", field<&CementTotals::frictional>},
-      {"awake", "bonds that are awake, all without `condense`", field<&CementTotals::resolved>},
+      {"awake", "bonds that are resolved, all without `condense`", field<&CementTotals::resolved>},
       {"substeps", "sub-steps of the cement in a step", nullptr},
       {"broken", "bonds that are broken, separated or not", field<&CementTotals::broken>},
       {"points_left", "points that [left the scene](#what-may-leave)", [](const CementTotals& t) { return t.left.points; }},

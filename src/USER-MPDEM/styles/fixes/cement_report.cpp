@@ -381,7 +381,7 @@ void CementReport::modes(Cement& c) {
     split_reported_ = true;
     tell(lmp_, text_of(who_,
                        "with 'cracks bonds' the sides of a crack pull on each other until the whole bond is in two; 'cracks split' of fix "
-                       "mpm parts them\n"));
+                       "mpm separates them\n"));
   }
   if (lines == kMostLines) sum_of_modes(c, static_cast<int>(lines));
 }
