@@ -66,6 +66,8 @@ def draw(package, picture):
         import matplotlib
 
         matplotlib.use("Agg")
+        matplotlib.rcParams["svg.fonttype"] = "none"
+        matplotlib.rcParams["svg.hashsalt"] = "rooms"
         import matplotlib.pyplot as plt
     except ImportError as missing:
         sys.exit(f"rooms.py: {missing}; apt-get install python3-matplotlib and run with /usr/bin/python3")
@@ -125,7 +127,7 @@ def draw(package, picture):
                     "connectionstyle": "arc3,rad=0.08" if mutual else "arc3",
                 },
             )
-    figure.savefig(picture, dpi=110)
+    figure.savefig(picture, dpi=110, metadata={"Date": None} if picture.suffix == ".svg" else None)
     print(f"{len(lines)} rooms on {len(by_level)} levels, {sum(lines.values())} lines: {picture}")
 
 

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rooms of src/USER-MPDEM include only rooms below them, and LIGGGHTS is known to the upper two alone."""
 import re
+import sys
 from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).resolve().parents[2] / "src" / "USER-MPDEM"
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "src" / "USER-MPDEM"
 
 CORE = {"coupling", "fracture", "mpm", "material", "numerics", "parallel"}
 ENGINE = CORE | {"geometry", "cement/creation", "cement/bond", "cement/failure", "cement/layout", "cement/condensed", "cement/step", "cement/engine"}
@@ -70,6 +72,18 @@ def test_every_room_is_known():
 def test_includes_go_down():
     found = [why for why in (against_the_layers(*i) for i in includes()) if why]
     assert not found, "\n".join(found)
+
+
+def test_the_picture_of_the_rooms(tmp_path):
+    """tools/rooms.py draws every room of the table, and none includes one that includes it."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    import rooms
+
+    lines, _, includes = rooms.rooms_of(PACKAGE)
+    assert set(lines) == set(BELOW)
+    assert not [(a, b) for a in includes for b in includes[a] if a in includes.get(b, {})]
+    rooms.draw(PACKAGE, tmp_path / "rooms.svg")
+    assert all(room in (tmp_path / "rooms.svg").read_text() for room in ("cement/step", "coupling"))
 
 
 def test_no_part_knows_the_cement():
