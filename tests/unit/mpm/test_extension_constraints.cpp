@@ -196,7 +196,7 @@ TEST(ExtensionConstraints, ExchangeIsBinding) {
       }
       if (had) ++was;
     }
-    EXPECT_EQ(ties.exchange(nodes, wanted, keys), freed) << round;
+    EXPECT_EQ(ties.replace(nodes, wanted, keys), freed) << round;
     freed_in += freed;
     now = next;
     const std::vector<ExtensionConstraint> found = ties.by_key(keys);
