@@ -17,7 +17,7 @@ std::string trouble_of(const PointRecord& p, const std::vector<BondRecord>& reco
   for (int d = 0; d < 3; ++d) {
     const Range near = from(of.lattice[d] - reach, of.lattice[d] + reach);
     found.check("its position", p.X[d], near);
-    if (p.moving) found.check("its first place", p.X0[d], near);
+    if (p.moving) found.check("its first position", p.X0[d], near);
   }
   found.check_whole("the number of its law of damage", p.law, from(0.0, static_cast<double>(law_entries().size())));
   if (p.law == 0 || p.law == kLawNumber<TensorDamage>)
