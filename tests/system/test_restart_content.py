@@ -249,7 +249,7 @@ def test_unchanged(tmp_path, files):
         ("point", "moving", 1.0, "ends before its number of links"),
         ("point", "links", 0.0, "of a contact point"),
         ("point", "attached", 2.0, "'is attached' of a link is 2"),
-        ("point", "place", 1e9, "place"),
+        ("point", "place", 1e9, "position"),
         ("point", "volume", 0.0, "volume"),
         ("point", "deformation", NAN, "deformation"),
         ("point", "frame", 2.0, "frame"),

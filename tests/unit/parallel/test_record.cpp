@@ -363,7 +363,7 @@ TEST(PointRecord, IsJudgedAsOneOfItsBond) {
   const auto says = [](const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; };
   EXPECT_TRUE(says(trouble([](PointRecord& r) { r.row = 1; }), "its bond is 1, allowed is a whole number from 0 to 0"));
   EXPECT_TRUE(says(trouble([](PointRecord& r) { r.X[2] = 1.5; }), "its position is 1.5"));
-  EXPECT_TRUE(says(trouble([](PointRecord& r) { r.moving = true, r.X0[1] = -1.5; }), "its first place is -1.5"));
+  EXPECT_TRUE(says(trouble([](PointRecord& r) { r.moving = true, r.X0[1] = -1.5; }), "its first position is -1.5"));
   EXPECT_TRUE(says(trouble([](PointRecord& r) { r.volume = 2.1; }), "its volume is 2.1"));
   EXPECT_TRUE(says(trouble([](PointRecord& r) { r.link[0].grain = 5; }), "grain of a link is 5, which is none of its bond"));
   EXPECT_TRUE(says(trouble([](PointRecord& r) { r.link[0].area = 1.6; }), "area of a link is 1.6"));
