@@ -145,8 +145,8 @@ vmask TensorDamage::near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N,
     const vmask converged = open & (abs(next) <= kTolerance);
     found.take(converged, x);
     done |= converged;
-    open &= ~converged & (abs(next) <= 0.5 * abs(step)) & (slope_here < 0.0) & (delta + next > 0.0) &
-            ~at_cutoff(s.damage + (delta + next) * N);
+    open &=
+        ~converged & (abs(next) <= 0.5 * abs(step)) & (slope_here < 0.0) & (delta + next > 0.0) & ~at_cutoff(s.damage + (delta + next) * N);
     excess = x.excess;
     slope = slope_here;
     step = next;

@@ -16,7 +16,7 @@
 namespace mpdem {
 
 namespace {
-constexpr double kRoundingOfLengths = 1e-9;                              // rounding of lengths that a script computed
+constexpr double kRoundingOfLengths = 1e-9;                         // rounding of lengths that a script computed
 enum PlanCheck { geometry, shape, position_of_points, thickness };  // checks of a bond, in their order
 }  // namespace
 
