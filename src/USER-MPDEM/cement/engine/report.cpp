@@ -115,24 +115,24 @@ void count_bonds(const Cracks& cracks, int resolved, CementTotals& t) {
 
 // Sums over points, then over nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what accumulates.
 enum TotalIndex {
-  kPoints,
-  kFailed,
-  kVolume,
-  kDamaged,
-  kElastic,
-  kCoupling,
-  kKinetic,
-  kDiscreteKinetic,
-  kP,
-  kL = kP + 3,
-  kDissipated = kL + 3,
-  kReleased,
-  kDamped,
-  kFrictional,
-  kWork,
-  kGrains,
-  kLeft,
-  kSums = kLeft + kMostNumbers<EnergyBalance::Left>
+  kSumPoints,
+  kSumFailed,
+  kSumVolume,
+  kSumDamaged,
+  kSumElastic,
+  kSumCoupling,
+  kSumKinetic,
+  kSumDiscreteKinetic,
+  kSumMomentum,
+  kSumAngularMomentum = kSumMomentum + 3,
+  kSumDissipated = kSumAngularMomentum + 3,
+  kSumReleased,
+  kSumDamped,
+  kSumFrictional,
+  kSumWork,
+  kSumGrains,
+  kSumLeft,
+  kNumberOfSums = kSumLeft + kMostNumbers<EnergyBalance::Left>
 };
 
 }  // namespace
@@ -141,14 +141,14 @@ CementTotals Report::totals(double reach_of_box) const {
   CementTotals t{};
   count_bonds(cracks_, resolved_bonds(), t);
   if (!scene_.laid_out) return t;
-  std::vector<double> sum(kSums, 0.0), most(1, 0.0);
+  std::vector<double> sum(kNumberOfSums, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes(scene_.grains.grains);
   const CondensedBonds::Energies condensed = condensed_.energies(scene_.bonds(), 0.5 * scene_.dt_last);
   const auto add_condensed = [&](int row) {
     of_points.add(condensed_.sums_of_points(row));
     const double energy = condensed_.energy_of_points(row);
-    sum[kElastic] += energy, sum[kCoupling] -= energy;  // condensed.elastic includes it; the rest is in the links
+    sum[kSumElastic] += energy, sum[kSumCoupling] -= energy;  // condensed.elastic includes it; the rest is in the links
   };
   for (const Bond& bond : scene_.bonds()) {
     if (!scene_.bonds().is_resolved(bond)) {
@@ -159,29 +159,29 @@ CementTotals Report::totals(double reach_of_box) const {
     of_nodes.add(bond.grid, scene_.bonds().record(bond), 0.5 * scene_.dt_last);
     const BondEnd* ends = scene_.grains.ends_of(bond);
     const double inertial = bond.added.energy(bond.grid, ends, 0.5 * scene_.dt_last, 0.5 * scene_.dt_last);
-    bond.links.add_spring_energy(bond.grid, ends, sum[kCoupling]);
-    for (const auto& p : bond.mechanisms) p->add_energy(bond.points, bond.grid, ends, sum[kElastic], sum[kCoupling]);
-    sum[kCoupling] += inertial + bond.film.energy_of_faces(scene_.penalty ? scene_.penalty->law.get() : nullptr);
-    sum[kDiscreteKinetic] += bond.added.energy(bond.grid, ends, 0.0, scene_.dt_last) - inertial;
+    bond.links.add_spring_energy(bond.grid, ends, sum[kSumCoupling]);
+    for (const auto& p : bond.mechanisms) p->add_energy(bond.points, bond.grid, ends, sum[kSumElastic], sum[kSumCoupling]);
+    sum[kSumCoupling] += inertial + bond.film.energy_of_faces(scene_.penalty ? scene_.penalty->law.get() : nullptr);
+    sum[kSumDiscreteKinetic] += bond.added.energy(bond.grid, ends, 0.0, scene_.dt_last) - inertial;
   }
   for (int row : condensed_.rows_without_points(scene_.bonds())) add_condensed(row);
-  sum[kCoupling] += condensed.elastic;
+  sum[kSumCoupling] += condensed.elastic;
   of_nodes.add(condensed);
-  sum[kKinetic] = of_nodes.kinetic;
-  sum[kDiscreteKinetic] += of_nodes.discrete_kinetic;
-  std::copy(of_nodes.momentum, of_nodes.momentum + 3, &sum[kP]);
-  std::copy(of_nodes.angular_momentum, of_nodes.angular_momentum + 3, &sum[kL]);
+  sum[kSumKinetic] = of_nodes.kinetic;
+  sum[kSumDiscreteKinetic] += of_nodes.discrete_kinetic;
+  std::copy(of_nodes.momentum, of_nodes.momentum + 3, &sum[kSumMomentum]);
+  std::copy(of_nodes.angular_momentum, of_nodes.angular_momentum + 3, &sum[kSumAngularMomentum]);
   const double of_stores[] = {of_points.points, of_points.failed, of_points.volume, of_points.damaged_volume};
-  std::copy(std::begin(of_stores), std::end(of_stores), &sum[kPoints]);
-  sum[kElastic] += of_points.elastic;
+  std::copy(std::begin(of_stores), std::end(of_stores), &sum[kSumPoints]);
+  sum[kSumElastic] += of_points.elastic;
   most[0] = of_points.largest_damage;
   const EnergyBalance::Sums& balance = scene_.energy.sums();
   const double of_balance[] = {balance.dissipated, balance.released, balance.damped - balance.damped_ahead,
                                balance.frictional - balance.frictional_ahead, balance.work - balance.work_ahead};
-  std::copy(std::begin(of_balance), std::end(of_balance), &sum[kDissipated]);
-  for (const Grain& g : scene_.grains.grains) sum[kGrains] += scene_.options.mass_scale * kinetic_energy(g);
-  pack(balance.left, &sum[kLeft]);
-  for (int k : {kKinetic, kDiscreteKinetic}) sum[k] -= balance.inertial_work - balance.inertial_work_ahead;
+  std::copy(std::begin(of_balance), std::end(of_balance), &sum[kSumDissipated]);
+  for (const Grain& g : scene_.grains.grains) sum[kSumGrains] += scene_.options.mass_scale * kinetic_energy(g);
+  pack(balance.left, &sum[kSumLeft]);
+  for (int k : {kSumKinetic, kSumDiscreteKinetic}) sum[k] -= balance.inertial_work - balance.inertial_work_ahead;
   global_sum(sum, scene_.comm);
   global_max(most, scene_.comm);
   t.largest_damage = most[0];
@@ -191,48 +191,48 @@ CementTotals Report::totals(double reach_of_box) const {
 
 // Finds the values of the whole scene from the sums over all ranks.
 void Report::set_totals(const std::vector<double>& sum, double reach_of_box, CementTotals& t) const {
-  t.points = sum[kPoints];
-  t.failed = sum[kFailed];
-  t.mean_damage = sum[kVolume] > 0.0 ? sum[kDamaged] / sum[kVolume] : 0.0;
-  t.kinetic = sum[kKinetic];
-  t.elastic = sum[kElastic];
-  t.coupling = sum[kCoupling];
-  t.dissipated = sum[kDissipated];
-  t.released = sum[kReleased];
-  t.damped = sum[kDamped];
-  t.frictional = sum[kFrictional];
-  t.external_work = sum[kWork];
-  unpack(&sum[kLeft], t.left);
+  t.points = sum[kSumPoints];
+  t.failed = sum[kSumFailed];
+  t.mean_damage = sum[kSumVolume] > 0.0 ? sum[kSumDamaged] / sum[kSumVolume] : 0.0;
+  t.kinetic = sum[kSumKinetic];
+  t.elastic = sum[kSumElastic];
+  t.coupling = sum[kSumCoupling];
+  t.dissipated = sum[kSumDissipated];
+  t.released = sum[kSumReleased];
+  t.damped = sum[kSumDamped];
+  t.frictional = sum[kSumFrictional];
+  t.external_work = sum[kSumWork];
+  unpack(&sum[kSumLeft], t.left);
   const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.frictional + t.left.energy;
   const double scale = std::max(std::fabs(t.external_work), spent);
   // Central differences conserve m/2 v-.v+, with the velocities half a step before and after, instead of m/2 v.v.
-  const double kept = spent - t.kinetic + sum[kDiscreteKinetic];
+  const double kept = spent - t.kinetic + sum[kSumDiscreteKinetic];
   const double stiffest =
       std::max(scene_.law->elasticity().C33, scene_.penalty ? scene_.penalty->law->stiffness().kn * scene_.options.cell : 0.0);
-  const double rounding = rounded_energy(stiffest * sum[kVolume], reach_of_box / scene_.options.cell);
+  const double rounding = rounded_energy(stiffest * sum[kSumVolume], reach_of_box / scene_.options.cell);
   const double put_in = t.external_work + scene_.energy.start_energy();
   t.imbalance = scale > rounding ? (put_in - kept) / scale : 0.0;
-  t.kinetic_share = scale > rounding ? kinetic_share_of(t.kinetic, sum[kGrains], put_in) : 0.0;
-  std::copy(&sum[kP], &sum[kP] + 3, t.momentum);
-  std::copy(&sum[kL], &sum[kL] + 3, t.angular_momentum);
+  t.kinetic_share = scale > rounding ? kinetic_share_of(t.kinetic, sum[kSumGrains], put_in) : 0.0;
+  std::copy(&sum[kSumMomentum], &sum[kSumMomentum] + 3, t.momentum);
+  std::copy(&sum[kSumAngularMomentum], &sum[kSumAngularMomentum] + 3, t.angular_momentum);
 }
 
 Report::EnergyShares Report::energy_shares() const {
   if (!scene_.laid_out) return {};
-  enum { kCement, kGrains, kWork, kDissipated, kSums };
+  enum { kCement, kSumGrains, kSumWork, kSumDissipated, kNumberOfSums };
   NodeSums of_nodes(std::vector<Grain>{});
   of_nodes.add(condensed_.energies(scene_.bonds(), 0.5 * scene_.dt_last));
   for (const Bond& bond : scene_.bonds().resolved()) of_nodes.add(bond.grid, scene_.bonds().record(bond), 0.5 * scene_.dt_last);
   const EnergyBalance::Sums& energy = scene_.energy.sums();
-  std::vector<double> sum(kSums, 0.0);
+  std::vector<double> sum(kNumberOfSums, 0.0);
   sum[kCement] = of_nodes.kinetic - (energy.inertial_work - energy.inertial_work_ahead);
-  sum[kWork] = energy.work - energy.work_ahead;
-  for (const Grain& g : scene_.grains.grains) sum[kGrains] += scene_.options.mass_scale * kinetic_energy(g);
-  sum[kDissipated] = energy.dissipated;
+  sum[kSumWork] = energy.work - energy.work_ahead;
+  for (const Grain& g : scene_.grains.grains) sum[kSumGrains] += scene_.options.mass_scale * kinetic_energy(g);
+  sum[kSumDissipated] = energy.dissipated;
   global_sum(sum, scene_.comm);
-  const double put_in = sum[kWork] + scene_.energy.start_energy();
-  return {kinetic_share_of(sum[kCement], sum[kGrains], put_in),
-          sum[kDissipated] > 0.0 ? sum[kDissipated] / std::max(put_in, sum[kDissipated]) : 0.0};
+  const double put_in = sum[kSumWork] + scene_.energy.start_energy();
+  return {kinetic_share_of(sum[kCement], sum[kSumGrains], put_in),
+          sum[kSumDissipated] > 0.0 ? sum[kSumDissipated] / std::max(put_in, sum[kSumDissipated]) : 0.0};
 }
 
 double Report::unbalanced_force(const std::vector<BondState>& loads, const Magnitudes& of_contacts) const {
@@ -255,11 +255,11 @@ double Report::unbalanced_force(const std::vector<BondState>& loads, const Magni
       }
     }
   }
-  enum { kSquares, kGrains, kContacts, kSum, kSums };
-  std::vector<double> sum(kSums, 0.0);
+  enum { kSquares, kSumGrains, kContacts, kSum, kNumberOfSums };
+  std::vector<double> sum(kNumberOfSums, 0.0);
   for (const Grain& g : scene_.grains.grains) {
     if (!(g.free[0] || g.free[1] || g.free[2])) continue;
-    sum[kGrains] += 1.0;
+    sum[kSumGrains] += 1.0;
     for (int d = 0; d < 3; ++d)
       sum[kSquares] += g.free[d] ? (g.force[d] + cement_load[g.tag][d]) * (g.force[d] + cement_load[g.tag][d]) : 0.0;
   }
@@ -268,7 +268,7 @@ double Report::unbalanced_force(const std::vector<BondState>& loads, const Magni
   global_sum(sum, scene_.comm);
   if (sum[kSquares] == 0.0) return 0.0;
   constexpr double kMost = 1e9;
-  const double resultant = std::sqrt(sum[kSquares] / sum[kGrains]);
+  const double resultant = std::sqrt(sum[kSquares] / sum[kSumGrains]);
   const double mean = (of_bonds.sum + sum[kSum]) / std::max(1.0, of_bonds.number + sum[kContacts]);
   return resultant < kMost * mean ? resultant / mean : kMost;
 }
@@ -324,14 +324,14 @@ const std::vector<BondState>& Report::bond_states() {
   bond_loads();
   if (!scene_.laid_out) return states_;
   const std::size_t n = scene_.bonds().table.size();
-  enum { kFailed, kVolume, kDamaged, kColumns };
+  enum { kSumFailed, kSumVolume, kSumDamaged, kColumns };
   const std::size_t width = kColumns + static_cast<std::size_t>(summed_columns());
   std::vector<double> sum(width * n, 0.0), most(n, 0.0);
   const auto add = [&](int row_of_table, const Bond& b, const BondRecord& record, const PointSums& of_bond) {
     double* row = &sum[width * row_of_table];
-    row[kFailed] = of_bond.failed;
-    row[kVolume] = of_bond.volume;
-    row[kDamaged] = of_bond.damaged_volume;
+    row[kSumFailed] = of_bond.failed;
+    row[kSumVolume] = of_bond.volume;
+    row[kSumDamaged] = of_bond.damaged_volume;
     most[row_of_table] = of_bond.largest_damage;
     add_to_sums({b, record, of_bond}, row + kColumns);
   };
@@ -354,8 +354,8 @@ const std::vector<BondState>& Report::bond_states() {
   for (std::size_t i = 0; i < n; ++i) {
     const double* row = &sum[width * i];
     BondState& b = states_[i];
-    b.failed = row[kFailed];
-    b.mean_damage = row[kVolume] > 0.0 ? row[kDamaged] / row[kVolume] : 0.0;
+    b.failed = row[kSumFailed];
+    b.mean_damage = row[kSumVolume] > 0.0 ? row[kSumDamaged] / row[kSumVolume] : 0.0;
     b.largest_damage = most[i];
     b.sums.assign(row + kColumns, row + width);
   }
