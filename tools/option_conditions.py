@@ -44,7 +44,7 @@ OPTIONS = [
     ("condense", r"\bcondense\b(?!\()|\bword_against_patterns\(|\bmay_leave_points_out\(", "condensing.* condensed_*.* activation.*"),
     (
         "is_resolved, condensed",
-        r"\b(?:is_)?resolved(?:_slots)?\(|\bcondensed(?:_\.(?:has|any|any_shared|is)\(|\b(?!\())",
+        r"\b(?:is_)?resolved(?:_indices)?\(|\bcondensed(?:_\.(?:has|any|any_shared|is)\(|\b(?!\())",
         "condensing.* condensed_*.* activation.* bond.h bond.cpp",
     ),
     ("unilateral", r"\bunilateral\b|\bclosing\.empty\(|\bfailed_as_undamaged\b", "closing_points.*"),

@@ -197,7 +197,7 @@ STOPS = {
         + "run 300\nregion r block 0 INF INF INF INF INF units box\ngroup r region r\ngroup gone subtract r grains\n"
         + DELETE.format("gone")
         + "run 50\n",
-        ["hold to grains which stay", "cannot"],
+        ["are connected to grains which stay", "cannot"],
     ),
     "stiffness before the next run": (scene() + "run 300\n" + DELETE.format("upper") + "bond_stiffness bonds.csv\n", ["grain 2", "'run 0'", "separated"]),
     "attached points leave": (

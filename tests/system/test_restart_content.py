@@ -206,7 +206,7 @@ def test_unchanged(tmp_path, files):
         ("bond", "spacing", 1e-300, "spacing"),
         ("bond", "lattice", HUGE, "lattice"),
         ("bond", "points", NAN, "number of points"),
-        ("bond", "pattern", 7.0, "pattern"),
+        ("bond", "pattern", 7.0, "is to have template 7"),
         ("bond", "pattern", -1.0, "its template is -1"),
         ("bond", "wants points", 0.5, "points' is 0.5"),
         ("bond", "home", -1.0, "rank that has its points"),

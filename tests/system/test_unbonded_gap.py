@@ -159,7 +159,7 @@ def test_lattice_off_the_grid(tmp_path, figures, grid):
         run(scene + CONTACT + cement(CELL, 5e-9, axis="radial", damage=words) + tail, tmp_path / (words or "tied")).table()["f_bond"][-1]
         for words in ("", "edge free")
     ]
-    figures.below(f"shells, lattice {grid} off the grid: force with sheets against shared nodes", abs(force[0] / force[1] - 1), 0.08)
+    figures.below(f"shells, lattice {grid} off the grid: force with split nodes against shared nodes", abs(force[0] / force[1] - 1), 0.08)
 
 
 def full_cells(file, offset, R=5e-3, thickness=4e-4):
@@ -182,7 +182,7 @@ def test_points_of_a_file(tmp_path, figures, offset, spacing):
     tail = pull(4.0, 1e-6) + thermo(20, ["f_bond"]) + "run 200\n"
     runs = [run(scene + CONTACT + cement(CELL, 5e-9, axis="radial", damage=words) + tail, tmp_path / (words or "tied")) for words in ("", "edge free")]
     force = [r.table()["f_bond"][-1] for r in runs]
-    figures.below(f"shells of a file, offset {offset}, spacing {spacing:g}: force with sheets against shared nodes", abs(force[0] / force[1] - 1), 0.08)
+    figures.below(f"shells of a file, offset {offset}, spacing {spacing:g}: force with split nodes against shared nodes", abs(force[0] / force[1] - 1), 0.08)
     assert ("use the spacing of the points" in runs[0].output) == (spacing < 1e-4)
 
 
@@ -210,7 +210,7 @@ def test_taken_over_by_other_kinematics(tmp_path, figures):
     wanted = run(before + move + "run 200\n", tmp_path / "free").table()["f_bond"]
     found = run(first + "run 0\nunfix bond\nunfix cem\n" + again + move + "run 200\n", tmp_path / "after").table()["f_bond"]
     figures.below(
-        "shells askew, sheets given up before the run: force, over the largest", abs(found - wanted).max() / abs(wanted).max(), 1e-9
+        "shells askew, split nodes given up before the run: force, over the largest", abs(found - wanted).max() / abs(wanted).max(), 1e-9
     )  # rounding feeds the springs of the links
 
 

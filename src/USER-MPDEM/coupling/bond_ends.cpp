@@ -82,14 +82,14 @@ void BondEnds::distribute(const std::vector<BondRecord>& records, const std::vec
   }
 }
 
-void BondEnds::hand_out(const std::vector<std::array<double, 6>>& values) {
+void BondEnds::send_to_copies(const std::vector<std::array<double, 6>>& values) {
   buffer_.assign(6 * ends.size(), 0.0);
   for (std::size_t i = 0; i < owned_at_.size(); ++i) std::copy(values[i].begin(), values[i].end(), &buffer_[6 * owned_at_[i]]);
   halo_.sum(buffer_.data(), 6);
 }
 
 void BondEnds::set_jumps(const std::vector<std::array<double, 6>>& jump) {
-  hand_out(jump);
+  send_to_copies(jump);
   for (std::size_t i = 0; i < ends.size(); ++i) {
     take(ends[i], &buffer_[6 * i], ends[i].jump);
     take(ends[i], &buffer_[6 * i + 3], ends[i].jump + 3);
@@ -97,7 +97,7 @@ void BondEnds::set_jumps(const std::vector<std::array<double, 6>>& jump) {
 }
 
 void BondEnds::set_accelerations(const std::vector<std::array<double, 6>>& acceleration) {
-  hand_out(acceleration);
+  send_to_copies(acceleration);
   for (std::size_t i = 0; i < ends.size(); ++i) {
     take(ends[i], &buffer_[6 * i], ends[i].a);
     take(ends[i], &buffer_[6 * i + 3], ends[i].alpha);

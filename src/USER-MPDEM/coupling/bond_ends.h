@@ -77,7 +77,7 @@ class BondEnds {
   int orphan() const { return orphan_; }
 
  private:
-  void hand_out(const std::vector<std::array<double, 6>>& values);  // writes the values of the owners to the buffers of all copies
+  void send_to_copies(const std::vector<std::array<double, 6>>& values);  // writes the values of the owners to the buffers of all copies
 
   std::vector<int> owned_at_;
   std::vector<double> buffer_;

@@ -68,14 +68,14 @@ void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
   with_basis(grid.basis, [&](auto type) {
     for (int b : blocks_) {
       const BlockMeta& m = points.meta[b];
-      const std::uint8_t holds = static_cast<std::uint8_t>(m.occupied & ~m.failed);
-      if (!holds) continue;
+      const std::uint8_t intact = static_cast<std::uint8_t>(m.occupied & ~m.failed);
+      if (!intact) continue;
       const PointBlock& p = points.blocks[b];
       const Mat3<vd> back = mpdem::inverse(p.F);
       Mat3<vd> T;
       for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) T.a[i][j] = select(lanes(holds), p.volume * back.a[j][i], vd{});
-      const vd volume = select(lanes(holds), p.volume, vd{});
+        for (int j = 0; j < 3; ++j) T.a[i][j] = select(lanes(intact), p.volume * back.a[j][i], vd{});
+      const vd volume = select(lanes(intact), p.volume, vd{});
       with_weights<decltype(type)>(p, m, 1.0 / grid.h, [&](const auto& w) {
         scatter_gradient(gradient_.data(), m.column, w, T);
         scatter_scalar(volume_.data(), m.column, w, volume);

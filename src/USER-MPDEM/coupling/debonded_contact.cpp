@@ -24,7 +24,7 @@ constexpr double kNear = 1e-3, kMargin = 2.0;
 
 vd dot(const vd* a, const vd* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-int ends_of(const BondRecord& record, int grain) { return record.grain[0] == grain ? 0 : 1; }
+int side_of(const BondRecord& record, int grain) { return record.grain[0] == grain ? 0 : 1; }
 
 double distance(const double* a, const double* b) {
   double square = 0.0;
@@ -54,7 +54,7 @@ void DebondedContact::lay_out(const PointStore& points, const BondRecord& record
   blocks_.clear();
   const auto key = [&](int i) {
     const ContactPoint& p = points.contacts[i];
-    return std::make_pair(ends_of(record, p.grain), points.tag(p.slot));
+    return std::make_pair(side_of(record, p.grain), points.tag(p.slot));
   };
   std::vector<int> order(points.contacts.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
@@ -342,7 +342,7 @@ void DebondedContact::add_debonded_at_creation(PointStore& points, const BondRec
 
 void DebondedContact::take(PointStore& points, const BondRecord& record, const Grid& grid, std::vector<ContactPoint> opened) {
   for (ContactPoint& o : opened) {
-    o.radius = distance(o.X, record.centre[ends_of(record, o.grain)]);
+    o.radius = distance(o.X, record.centre[side_of(record, o.grain)]);
     if (ContactPoint* there = find(points.contacts, o.slot, o.grain)) {
       there->area += o.area;
       o.slot = -1;
@@ -378,8 +378,8 @@ DebondedContact::Found DebondedContact::nearest(const PointStore& points, const 
   Found best;
   const double part = Found::kTie * m.spacing * m.spacing;
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    const int holds = points.meta[b].occupied & ~points.meta[b].failed;
-    if (!holds) continue;
+    const int intact = points.meta[b].occupied & ~points.meta[b].failed;
+    if (!intact) continue;
     vd along{}, square{};
     for (int d = 0; d < 3; ++d) {
       const vd x = points.blocks[b].X[d] - m.X[d];
@@ -388,7 +388,7 @@ DebondedContact::Found DebondedContact::nearest(const PointStore& points, const 
     }
     const vd apart = 9.0 * square - 8.0 * along * along;
     for (int l = 0; l < kLanes; ++l) {
-      if (!(holds >> l & 1)) continue;
+      if (!(intact >> l & 1)) continue;
       const double far = std::floor(apart[l] / part);
       if (!best.slots.empty() && far > best.far) continue;
       if (far < best.far) best.slots.clear();
@@ -406,7 +406,7 @@ ContactPoint contact_at_point(const PointStore& points, const BondRecord& record
   ContactPoint p;
   p.slot = slot;
   p.grain = grain;
-  const int side = ends_of(record, grain);
+  const int side = side_of(record, grain);
   const double* centre = record.centre[side];
   double X[3];
   for (int d = 0; d < 3; ++d) X[d] = points.blocks[slot / kLanes].X[d][slot % kLanes];

@@ -74,7 +74,7 @@ class DebondedContact : public BondMechanism {
   double update_and_add_force(PointStore& points, Grid& grid, BondEnd* ends);
   // Adds the energy that the contact stores.
   void add_energy(const Grid& grid, const BondEnd* ends, double& energy) const;
-  // Adds the inert area of contact points that touch, or may touch within the time `soon`, and removes that of the
+  // Adds the area with added mass of contact points that touch, or may touch within the time `soon`, and removes that of the
   // others. Returns true if any changes. Added mass couples the motion of the cement to that of the grain, so open
   // contact points must have none. Until this call, new or moved contact points have none of their own: the debonded
   // links still have theirs. The grains are at the end of the step dt, the nodes where they were before it.
@@ -89,7 +89,7 @@ class DebondedContact : public BondMechanism {
     double area, X[3], n[3];  // X: position on the surface of the grain in the reference, n: its normal
     double spacing;           // of the points
   };
-  // movers(): contact points whose material points failed. They stay in the store until move() removes them. There are
+  // orphans(): contact points whose material points failed. They stay in the store until move() removes them. There are
   // none if take_topology_change() is false: no point failed and no link debonded since its last call.
   bool take_topology_change() { return std::exchange(changed_, false); }
   std::vector<OrphanedContact> orphans(const PointStore& points, const BondRecord& record) const;

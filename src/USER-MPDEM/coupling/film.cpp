@@ -87,7 +87,7 @@ struct Film::Loads {
   }
 };
 
-bool Film::holds() const {
+bool Film::carries_load() const {
   for (std::size_t b = 0; b < columns_.size(); ++b)
     if (carrying(b)) return true;
   return false;
@@ -97,7 +97,7 @@ Film::Areas Film::areas() const {
   Areas sum;
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const vd area = points.blocks[b].volume * columns_[b].inverse_t;
-    sum.holding += sum_lanes(masked(carrying(b), area));
+    sum.intact += sum_lanes(masked(carrying(b), area));
     sum.inside += sum_lanes(masked(points.meta[b].failed, area));
     if (!columns_[b].cut) continue;
     // A debonded face has all of the damage; the other one has less.

@@ -51,12 +51,12 @@ class Film {
 
   bool empty() const { return points.blocks.empty(); }
   // True if some column carries load.
-  bool holds() const;
+  bool carries_load() const;
   // Cross-sectional areas of the columns: of those that carry, of those that failed, and of those with a debonded face
   // at a grain.
   struct Areas {
-    double holding = 0.0, inside = 0.0, at_grain[2] = {0.0, 0.0};
-    double all() const { return holding + inside + at_grain[0] + at_grain[1]; }
+    double intact = 0.0, inside = 0.0, at_grain[2] = {0.0, 0.0};
+    double all() const { return intact + inside + at_grain[0] + at_grain[1]; }
   };
   Areas areas() const;
 

@@ -49,7 +49,7 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
   std::vector<Item> items;
   for (std::size_t i = 0; i < points.links.size(); ++i) {
     const Link& k = points.links[i];
-    if (!is_bonded(points, k) && !k.has_added_mass) continue;
+    if (!is_bonded(points, k) && !k.keeps_added_mass) continue;
     const int b = k.slot / kLanes, l = k.slot % kLanes;
     const auto cell_along = [&](int d) { return support_base(k.foot[d], inverse_h_, cell_shift(basis_)); };
     items.push_back(
@@ -101,7 +101,7 @@ void PenaltyLinks::set_lane(std::size_t block, int lane, const PointStore& point
   const Link& k = points.links[link];
   const std::uint8_t bit = static_cast<std::uint8_t>(1u << lane);
   b.link[lane] = link;
-  h.has_added_mass |= bit;
+  h.counts_for_added_mass |= bit;
   if (is_bonded(points, k)) h.attached |= bit;
   b.area[lane] = k.area;
   const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
@@ -182,7 +182,7 @@ void PenaltyLinks::find_moves(const Grid& grid, double dt) {
   });
 }
 
-bool PenaltyLinks::remap_contacts(PointStore& points) {
+bool PenaltyLinks::move_links(PointStore& points) {
   keep_created();
   gone_ = false;
   bool left = false;
@@ -199,7 +199,7 @@ bool PenaltyLinks::remap_contacts(PointStore& points) {
         b.X[d][l] = acts_at(points, k, d);  // computed anew and not incremented, so that blocks are bitwise those of a new layout
         left = left || base[d] != b.base[d][l];
       }
-      gone_ = gone_ || !(k.attached || k.has_added_mass);
+      gone_ = gone_ || !(k.attached || k.keeps_added_mass);
     }
   }
   return left || gone_;
@@ -459,7 +459,7 @@ void PenaltyLinks::release(std::size_t block, std::uint8_t freed, vd energy, boo
     if (!(freed >> l & 1)) continue;
     released += energy[l];
     points.links[b.link[l]].attached = is_residue;
-    points.links[b.link[l]].has_added_mass = true;
+    points.links[b.link[l]].keeps_added_mass = true;
   }
   link_flags_[block].attached &= static_cast<std::uint8_t>(~freed);
 }
@@ -521,11 +521,11 @@ bool PenaltyLinks::drop_added_mass(PointStore& points) {
   bool some = false;
   for (std::size_t n = 0; n < blocks_.size(); ++n) {
     LinkFlags& h = link_flags_[n];
-    if (h.has_added_mass == h.attached) continue;
+    if (h.counts_for_added_mass == h.attached) continue;
     some = true;
-    h.has_added_mass = h.attached;
+    h.counts_for_added_mass = h.attached;
     for (int link : blocks_[n].link)
-      if (link >= 0) points.links[link].has_added_mass = false;
+      if (link >= 0) points.links[link].keeps_added_mass = false;
   }
   return some;
 }
@@ -551,12 +551,12 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const BondEnd* ends, double d
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
     for (const LinkBlock& b : blocks_) {
-      const std::uint8_t inert = link_flags_[number_of(b)].has_added_mass;
-      if (!inert) continue;
+      const std::uint8_t counting = link_flags_[number_of(b)].counts_for_added_mass;
+      if (!counting) continue;
       const vd inertia = (1.0 + ends[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[number_of(b)]);
       const Weights<Type> w(b.X, b.base, inverse_h_);
       for (int l = 0; l < kLanes; ++l) {
-        if (!(inert >> l & 1)) continue;
+        if (!(counting >> l & 1)) continue;
         free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l, inertia[l], penalty + b.side);
       }
     }

@@ -88,7 +88,7 @@ class PenaltyLinks {
   void find_moves(const Grid& grid, double dt);
   // Moves the positions by find_moves(), and the cement's ends of the links in the store. Returns true if the point of
   // a link left its cell, or if links are gone. Then call follow_points().
-  bool remap_contacts(PointStore& points);
+  bool move_links(PointStore& points);
   // Makes the blocks that a new layout would have. Returns false if the grid has not all the nodes. Only for grids
   // without constrained nodes.
   bool follow_points(const PointStore& points, const BondRecord& record, const Grid& grid);
@@ -160,7 +160,7 @@ class PenaltyLinks {
 
   // One bit for each lane: the link is attached; the link counts for the added mass.
   struct LinkFlags {
-    std::uint8_t attached = 0, has_added_mass = 0;
+    std::uint8_t attached = 0, counts_for_added_mass = 0;
   };
 
   struct Gaps {
@@ -228,7 +228,7 @@ class PenaltyLinks {
   Basis basis_ = Basis::quadratic;
   double cell_ = 0, inverse_h_ = 0, density_ = 0;
   int row_ = 0, columns_of_cell_ = 0;
-  bool gone_ = false;  // some links have neither force nor added mass, by the last remap_contacts()
+  bool gone_ = false;  // some links have neither force nor added mass, by the last move_links()
   // Lists that bonds of one shape share: blocks, and for each lane its columns of nodes (see Grid) and its layer.
   SharedList<LinkBlock> blocks_;
   SharedList<int> columns_;

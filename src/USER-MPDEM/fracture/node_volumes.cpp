@@ -27,7 +27,7 @@ double NodeSplitter::volume_at(const GridIndex& node, const std::vector<int>& po
 // If the points of all components lie at the end of the support, the first one gets all.
 void NodeSplitter::share_volume(const GridIndex& node, const std::vector<int>& group, int copy, int next, const PhantomNodes& copies,
                                 const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
-  double whole = -1.0, holds = 0.0;
+  double whole = -1.0, intact = 0.0;
   if (const PhantomNodes::Row* row = copies.row(node)) {
     for (const PhantomNodes::Entry& e : *row)
       if (e.copy == copy) whole = e.volume;
@@ -37,16 +37,16 @@ void NodeSplitter::share_volume(const GridIndex& node, const std::vector<int>& g
   std::vector<double> of;
   for (const std::vector<int>& c : components) {
     of.push_back(volume_at(node, c));
-    holds += of.back();
+    intact += of.back();
   }
   std::map<int, double>& volumes = split_now_[node];
   for (std::size_t n = 0; n < rank.size(); ++n)
-    volumes[n == 0 ? copy : next + static_cast<int>(n) - 1] = holds > 0.0 ? whole * of[rank[n]] / holds : n == 0 ? whole : 0.0;
+    volumes[n == 0 ? copy : next + static_cast<int>(n) - 1] = intact > 0.0 ? whole * of[rank[n]] / intact : n == 0 ? whole : 0.0;
 }
 
 std::vector<GridIndex> NodeSplitter::leave(PhantomNodes& copies) const {
   struct Left {
-    std::vector<int> holds, failed;    // points
+    std::vector<int> intact, failed;   // points
     double volume = 0.0, share = 0.0;  // volume of intact points; former volume of failed points
   };
   std::vector<GridIndex> nodes;
@@ -57,14 +57,14 @@ std::vector<GridIndex> NodeSplitter::leave(PhantomNodes& copies) const {
     std::map<int, Left> left;  // by copy
     for_each_point(node, [&](int p) {
       Left& l = left[PhantomNodes::copy_of(row, points_[p].layer)];
-      (points_[p].failed ? l.failed : l.holds).push_back(p);
+      (points_[p].failed ? l.failed : l.intact).push_back(p);
     });
     double failed = 0.0, shares = 0.0;
     for (const PhantomNodes::Entry& e : row)
       if (const auto l = left.find(e.copy); l != left.end()) l->second.share = e.volume;
     for (auto& l : left) {
       failed += volume_at(node, l.second.failed);
-      l.second.volume = volume_at(node, l.second.holds);
+      l.second.volume = volume_at(node, l.second.intact);
       l.second.share = std::max(0.0, l.second.share - l.second.volume);
       shares += l.second.share;
     }

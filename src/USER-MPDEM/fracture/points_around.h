@@ -26,9 +26,9 @@ class NodeSplitter::Around {
       GridIndex c = grid_index(p_[i].cell);
       for (int d = 0; d < 3; ++d) c[d] += axis(q, d) - 1;
       const auto at = q == kMiddle ? lattice.at_.end() : lattice.at_.find(c);
-      const bool holds = at != lattice.at_.end() && !p_[at->second].failed;
-      point[q] = holds ? at->second : -1;
-      here |= static_cast<unsigned>(holds) << q;
+      const bool intact = at != lattice.at_.end() && !p_[at->second].failed;
+      point[q] = intact ? at->second : -1;
+      here |= static_cast<unsigned>(intact) << q;
     }
     for (int face = 0; face < 6; ++face) {
       for (int q = 0; q < kPlaces; ++q) {

@@ -185,7 +185,7 @@ std::vector<Assignment> rank_pieces(const std::vector<Piece>& pieces, int next, 
   return of_piece;
 }
 
-// Bits, as in Goes::held, of the grains on which a failed point stays as residue; 0 if there are none.
+// Bits, as in Assignment::held, of the grains on which a failed point stays as residue; 0 if there are none.
 int residue_on(const CrackPoint& p) { return p.failed ? p.attached[0] + 2 * p.attached[1] : 0; }
 
 // Adds the area between two points. It counts at the height half way between them.
@@ -245,9 +245,9 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   const std::vector<Piece> pieces = find_pieces(near, points, piece_of);
   const std::vector<Assignment> of_piece = rank_pieces(pieces, next, loose_part);
   std::vector<Assignment> goes(n), side(n);
-  result.holds.assign(n, 0);
+  result.attached_grains.assign(n, 0);
   for (int i = 0; i < n; ++i) {
-    if (piece_of[i] >= 0) result.holds[i] = pieces[piece_of[i]].attached[0] + 2 * pieces[piece_of[i]].attached[1];
+    if (piece_of[i] >= 0) result.attached_grains[i] = pieces[piece_of[i]].attached[0] + 2 * pieces[piece_of[i]].attached[1];
     if (piece_of[i] >= 0) goes[i] = of_piece[piece_of[i]];
     else goes[i].held = residue_on(points[i]);
     side[i].held = goes[i].held;

@@ -53,7 +53,7 @@ struct Separation : FractureSurface {
   std::vector<int> piece;
   std::vector<char> between;  // for each point: true if it is at equal distance from the material of both grains
   // For each point of a separated bond the bits of the grains that its piece is attached to, 0 for failed points.
-  std::vector<char> holds;
+  std::vector<char> attached_grains;
   // Tags of the points of the path, ascending. The bond is connected while none of them fails.
   std::vector<int> path;
 };

@@ -50,7 +50,7 @@ void ClosingPoints::add(const PointStore& points, const VtiElasticity& undamaged
 }
 
 void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged, int block, std::uint8_t failed, std::uint8_t fresh) {
-  failed &= static_cast<std::uint8_t>(~points.meta[block].fragment);
+  failed &= static_cast<std::uint8_t>(~points.meta[block].distorted);
   if (!failed) return;
   const CracksOfBlock cracks = cracks_of(points, block);
   const vmask taken = lanes(failed) & (cracks.damage[0] > 0.0);
@@ -216,7 +216,7 @@ double ClosingPoints::lose(PointStore& points, Block& b, const Crack& before, co
   vd energy = energy_of(points, b, before);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) energy -= 0.5 * dt * T.a[i][j] * rate.a[i][j];
-  points.meta[b.block].fragment |= bits(lost);
+  points.meta[b.block].distorted |= bits(lost);
   b.K = select(lost, vd{}, b.K);
   return sum_lanes(select(lost, energy, vd{}));
 }

@@ -34,7 +34,7 @@
 // n.C(D):(n n).n). Failed points keep deformation, strain and state, from which lambda_0 is found. A point that a file
 // gave as failed without damage never exerts a force. The operator K n n n n is at most C0. Pressure on a distorted
 // point has a geometric stiffness of up to 1.5 p |F^-1|^2. So p is at most a tenth of K, and a point loses its crack
-// for good (BlockMeta::fragment) once |F| or |F^-1| exceeds kMostDistorted. Then the bound of the largest eigenvalue
+// for good (BlockMeta::distorted) once |F| or |F^-1| exceeds kMostDistorted. Then the bound of the largest eigenvalue
 // stays valid (mpm/largest_eigenvalue.h). This needs `total` kinematics, where displacements start at the reference.
 #ifndef MPDEM_MPM_CLOSING_POINTS_H
 #define MPDEM_MPM_CLOSING_POINTS_H
@@ -62,7 +62,7 @@ class ClosingPoints : public BondMechanism {
 
   // Adds the forces to the nodes, whose last displacement is dt times their velocity. With dt = 0 nothing slips. Must
   // be called before constrained nodes pass on their forces. Points that became too distorted in this step lose their
-  // crack (BlockMeta::fragment). Returns as `released` the energy that these had, less the work of their force in the
+  // crack (BlockMeta::distorted). Returns as `released` the energy that these had, less the work of their force in the
   // first half of the step, and as `frictional` the energy that friction took.
   Losses add_force(PointStore& points, Grid& grid, double dt);
   double energy(const PointStore& points, const Grid& grid) const;
@@ -92,7 +92,7 @@ class ClosingPoints : public BondMechanism {
     vd e[3], traction[3];
   };
   static Crack crack_of_block(const Block& b, const Mat3<vd>& F);
-  // Calls f(block, weights, crack, F) for each block with a lane that is closed, not sound, or may have carried shear.
+  // Calls f(block, weights, crack, F) for each block with a lane that is closed, too distorted, or may have carried shear.
   template <class Blocks, class F>
   static void for_each_block(Blocks& blocks, const PointStore& points, const Grid& grid, F f);
   static vd pressure(const Block& b, const Crack& c);

@@ -359,14 +359,14 @@ void Grid::tie(const std::vector<ExtensionConstraint>& wanted, bool any, bool ch
   any_constraints_ = any;
 }
 
-std::vector<double> Grid::local_mass(const PointStore& points, double density, bool holding) const {
+std::vector<double> Grid::local_mass(const PointStore& points, double density, bool intact_only) const {
   std::vector<double> mass(keys.size(), 0.0);
   const double inverse_h = 1.0 / h;
   with_basis(basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const BlockMeta& m = points.meta[b];
       vd of_point = density * points.blocks[b].volume;
-      if (holding) of_point = select(lanes(m.failed), vd{}, of_point);
+      if (intact_only) of_point = select(lanes(m.failed), vd{}, of_point);
       with_weights<decltype(type)>(points.blocks[b], m, inverse_h, [&](const auto& s) {
         with_sums<1>(*this, m, mass.data(), [&](double* sums, const int* column) { scatter_scalar(sums, column, s, of_point); });
       });

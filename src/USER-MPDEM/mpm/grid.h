@@ -111,8 +111,8 @@ class Grid {
   // Finds the lumped mass from the points, whose density is uniform, or from given_volume where that is set. The mass
   // of constrained nodes goes to their mass receivers. Collective among the ranks that share nodes.
   void lump_mass(const PointStore& points, double density);
-  // Lumped mass of the points of this rank alone, without constraints. holding: only of intact points.
-  std::vector<double> local_mass(const PointStore& points, double density, bool holding = false) const;
+  // Lumped mass of the points of this rank alone, without constraints. intact_only: only of intact points.
+  std::vector<double> local_mass(const PointStore& points, double density, bool intact_only = false) const;
 
   void clear_force();
   void sum_force() {

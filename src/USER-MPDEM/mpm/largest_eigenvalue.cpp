@@ -33,7 +33,7 @@ double scrambled(const Key& k, int c) {
 }
 
 // Nodes of one bond that can move, ascending: all nodes, or those of the blocks that count and the masters of these.
-// `slaves` are the constrained nodes of the blocks that count. It is empty if all blocks count.
+// `constrained_nodes` are the constrained nodes of the blocks that count. It is empty if all blocks count.
 struct Moving {
   struct Constrained {
     int node, row;  // row of its constraint

@@ -28,9 +28,9 @@ struct Link {
   int slot = -1;  // slot of its point in a store
   int grain = 0;  // tag
   double foot[3] = {0, 0, 0};
-  double area = 0;              // of the grain's surface
-  bool attached = false;        // the link has not failed
-  bool has_added_mass = false;  // the link has failed, but its added mass still counts, see coupling/penalty_links.h
+  double area = 0;                // of the grain's surface
+  bool attached = false;          // the link has not failed
+  bool keeps_added_mass = false;  // the link has failed, but its added mass still counts, see coupling/penalty_links.h
   double moved[3] = {0, 0, 0};
   double state[kMostLinkFields] = {0};  // state of its traction law
 
@@ -42,7 +42,7 @@ struct Link {
     visit("the area of a link", k.area, kNotNegative);
     visit("'is attached' of a link", k.attached);
     visit("the displacement of a link", k.moved, kFinite);
-    visit("'has added mass' of a link", k.has_added_mass);
+    visit("'has added mass' of a link", k.keeps_added_mass);
     visit("the state of a link", k.state, from(0.0, 1.0));
   }
 };
@@ -100,7 +100,7 @@ struct PointRecord {
   Link link[kMaxLinks];
   int contacts = 0;
   ContactPoint contact[kMaxLinks];
-  bool fragment = false;       // failed, and too distorted to have a crack that closes, see mpm/closing_points.h
+  bool distorted = false;      // failed, and too distorted to have a crack that closes, see mpm/closing_points.h
   bool has_slip = false;       // slip is set
   double slip[3] = {0, 0, 0};  // slip of its closed crack, over the width of the crack, see mpm/closing_points.h
 
@@ -131,7 +131,7 @@ struct PointRecord {
     for (int k = 0; k < n; ++k) visit.part(p.link[k]);
     const int freed = visit.length("its number of contact points", p.contacts, kMaxLinks);
     for (int k = 0; k < freed; ++k) visit.part(p.contact[k]);
-    visit("'is a fragment'", p.fragment);
+    visit("'is distorted'", p.distorted);
     visit("'has slid'", p.has_slip);
     if (visit.present(p.has_slip)) visit("the slip of its crack", p.slip, kFinite);
   }

@@ -83,7 +83,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   m.occupied |= bit;
   if (r.failed) m.failed |= bit;
   if (r.split_checked) m.split_checked |= bit;
-  if (r.fragment) m.fragment |= bit;
+  if (r.distorted) m.distorted |= bit;
   set_connected(slot, r.connected);
   if (r.has_frame) m.framed |= bit;
   if (r.links > 0) m.linked |= bit;
@@ -154,7 +154,7 @@ PointRecord PointStore::record(int slot) const {
   r.layer = meta[b].layer;
   r.failed = meta[b].failed >> l & 1;
   r.split_checked = meta[b].split_checked >> l & 1;
-  r.fragment = meta[b].fragment >> l & 1;
+  r.distorted = meta[b].distorted >> l & 1;
   r.connected = connected(slot);
   r.has_frame = meta[b].framed >> l & 1;
   r.moving = !motion.empty();
@@ -176,7 +176,7 @@ PointRecord PointStore::record(int slot) const {
 void PointStore::release(int slot) {
   const std::uint8_t others = static_cast<std::uint8_t>(~(1u << slot % kLanes));
   BlockMeta& m = meta[slot / kLanes];
-  for (std::uint8_t* bits : {&m.occupied, &m.failed, &m.split_checked, &m.framed, &m.linked, &m.fragment}) *bits &= others;
+  for (std::uint8_t* bits : {&m.occupied, &m.failed, &m.split_checked, &m.framed, &m.linked, &m.distorted}) *bits &= others;
   set_connected(slot, 0);
   blocks[slot / kLanes].volume[slot % kLanes] = 0.0;
   changed_ = true;
@@ -298,7 +298,7 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
   hand_over(n.occupied, m.occupied);
   hand_over(n.failed, m.failed);
   hand_over(n.split_checked, m.split_checked);
-  hand_over(n.fragment, m.fragment);
+  hand_over(n.distorted, m.distorted);
   set_connected(new_slot, from.connected(slot));
   hand_over(n.framed, m.framed);
   hand_over(n.linked, m.linked);
@@ -316,7 +316,7 @@ void PointStore::empty_lane(int slot, double cell, Basis basis) {
   meta[b].occupied &= others;
   meta[b].failed &= others;
   meta[b].split_checked &= others;
-  meta[b].fragment &= others;
+  meta[b].distorted &= others;
   meta[b].framed &= others;
   meta[b].linked &= others;
   set_connected(slot, 0);

@@ -60,7 +60,7 @@ struct BlockMeta {
   int aliases = kOwn;                                 // first of its nodes in Grid::aliases; kOwn: it has columns
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // one bit for each lane
   std::uint8_t split_checked = 0;                     // failed, and the nodes were split for it, see fracture/phantom_nodes.h
-  std::uint8_t fragment = 0;                          // failed, and too distorted to have a crack that closes, see closing_points.h
+  std::uint8_t distorted = 0;                         // failed, and too distorted to have a crack that closes, see closing_points.h
   std::uint8_t connected[2] = {
       0, 0};  // bits for each grain: connected to it at the last check after separation (fracture/separation.h); all set before
   std::uint8_t linked = 0;             // had a link to a grain when it was made
@@ -182,11 +182,11 @@ class PointStore {
     const BlockMeta& m = meta[slot / kLanes];
     return (m.connected[0] >> slot % kLanes & 1) + 2 * (m.connected[1] >> slot % kLanes & 1);
   }
-  void set_connected(int slot, int holds) {
+  void set_connected(int slot, int grains) {
     const std::uint8_t bit = static_cast<std::uint8_t>(1u << slot % kLanes);
     for (int g = 0; g < 2; ++g) {
       std::uint8_t& m = meta[slot / kLanes].connected[g];
-      m = static_cast<std::uint8_t>((holds >> g & 1) ? m | bit : m & ~bit);
+      m = static_cast<std::uint8_t>((grains >> g & 1) ? m | bit : m & ~bit);
     }
   }
 

@@ -175,8 +175,8 @@ void ScalarSums::find_points(const PointStore& points, double h, std::vector<int
   for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b) {
     const PointBlock& p = points.blocks[b];
     const BlockMeta& m = points.meta[b];
-    const std::uint8_t holding = m.occupied & static_cast<std::uint8_t>(~m.failed);
-    if (holding == 0) continue;
+    const std::uint8_t intact = m.occupied & static_cast<std::uint8_t>(~m.failed);
+    if (intact == 0) continue;
     blocks_.push_back(b);
     place_.emplace_back();
     place_.back().fill(kNone);
@@ -188,7 +188,7 @@ void ScalarSums::find_points(const PointStore& points, double h, std::vector<int
       cell_at[node] = kLanes * b + l;
       place_.back()[l] = kLanes * node + place[l];
     }
-    const std::uint8_t others = holding & static_cast<std::uint8_t>(~in);
+    const std::uint8_t others = intact & static_cast<std::uint8_t>(~in);
     if (others == 0) continue;
     with_basis(basis_, [&](auto type) {
       with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) { add_alone(m, s, others, place_.back()); });

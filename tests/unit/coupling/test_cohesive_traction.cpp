@@ -214,7 +214,7 @@ TEST(CohesiveTraction, LinksKeepItsStateAndLetGo) {
     spent += b.link_step.dissipated;
     const std::vector<int>& gone = b.link_step.debond;
     EXPECT_TRUE(std::is_sorted(gone.begin(), gone.end()));
-    for (int k : gone) EXPECT_TRUE(!links[k].attached && links[k].has_added_mass && links[k].state[0] == 1.0);
+    for (int k : gone) EXPECT_TRUE(!links[k].attached && links[k].keeps_added_mass && links[k].state[0] == 1.0);
     EXPECT_EQ(held - static_cast<long>(gone.size()), std::count_if(links.begin(), links.end(), [](const Link& k) { return k.attached; }));
     EXPECT_GT(gone.size(), links.size() / 2);
     EXPECT_LT(spent, kGt * area);

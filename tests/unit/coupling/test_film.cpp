@@ -219,7 +219,7 @@ TEST(Film, EnergyBalancesWhileColumnsFail) {
     FilmOfPair f(brittle(9.6e3));
     double dissipated;
     EXPECT_NEAR(imbalance(f, Vector(3e-7, 0, 1e-6), steps, nullptr, dissipated), 0.0, 2e-3);
-    EXPECT_FALSE(f.film.holds());
+    EXPECT_FALSE(f.film.carries_load());
     EXPECT_GT(dissipated, 0.0);
     for (int d = 0; d < 3; ++d) EXPECT_EQ(f.ends[1].force[d], 0.0);
     for (const Link& k : f.film.points.links) EXPECT_FALSE(k.attached);
@@ -237,7 +237,7 @@ TEST(Film, FacesTakeTheirEnergyAndLetGo) {
   FilmOfPair f;
   double dissipated;
   EXPECT_NEAR(imbalance(f, Vector(0, 0, 3e-6), std::getenv("NS") ? std::atoi(std::getenv("NS")) : 20000, &faces, dissipated), 0.0, 2e-3);
-  EXPECT_FALSE(f.film.holds());
+  EXPECT_FALSE(f.film.carries_load());
   const Film::Areas areas = f.film.areas();
   EXPECT_EQ(areas.inside, 0.0);
   // of two equal faces in series one softens; the normals of the faces are up to 19 degrees off the load, so shear has a part

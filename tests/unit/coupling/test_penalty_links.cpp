@@ -182,7 +182,7 @@ TEST_P(Links, FollowPointsThatChangeCells) {
       const int a = s->slots[row][from], b = s->slots[row][to];
       if (bond.points.meta[a / kLanes].layer == bond.points.meta[b / kLanes].layer && n / 2 % 4 != 0)
         for (int d = 0; d < 3; ++d) bond.points.blocks[a / kLanes].X[d][a % kLanes] = bond.points.blocks[b / kLanes].X[d][b % kLanes];
-      left[s == &one] = bond.links.remap_contacts(bond.points);
+      left[s == &one] = bond.links.move_links(bond.points);
     }
     EXPECT_EQ(left[0], left[1]);
     if (!left[1]) continue;
@@ -232,7 +232,7 @@ TEST_P(Links, LetGo) {
     EXPECT_EQ(released, once);
     for (const Link& k : b.points.links) {
       EXPECT_EQ(k.attached == 0, std::binary_search(failed.begin(), failed.end(), k.slot));
-      EXPECT_EQ(k.has_added_mass, !k.attached);
+      EXPECT_EQ(k.keeps_added_mass, !k.attached);
     }
     test::expect_within(std::fabs((before - s.energy()) / released - 1.0), 1e-13, "spring energy released");
     s.add_force();
@@ -245,7 +245,7 @@ TEST_P(Links, LetGo) {
     EXPECT_EQ(inertial_of(b.links), inertial);
     test::expect_within(std::fabs(inertial_of(s.links_anew(b)) / inertial - 1.0), 1e-13, "energy of added mass in a new layout");
     b.links.drop_added_mass(b.points);
-    for (const Link& k : b.points.links) EXPECT_FALSE(k.has_added_mass);
+    for (const Link& k : b.points.links) EXPECT_FALSE(k.keeps_added_mass);
     EXPECT_LT(inertial_of(b.links), inertial);
     test::expect_within(std::fabs(inertial_of(s.links_anew(b)) / inertial_of(b.links) - 1.0), 1e-13, "energy of what is left");
 

@@ -328,7 +328,7 @@ TEST(Separation, LoosePiecesBecomePartsAndCrumbsDoNot) {
 }
 
 // The halves are the two sides of an unbonded gap. They are connected where their material touches.
-TEST(Separation, Sheets) {
+TEST(Separation, TwoSidesOfAGap) {
   std::vector<CrackPoint> points = column();
   const auto beside = [](const CrackPoint& p) { return std::abs(p.cell[0] + 1) <= 1 && std::abs(p.cell[1] + 1) <= 1; };
   const auto leave_space = [&](float first, float second) {

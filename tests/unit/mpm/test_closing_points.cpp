@@ -403,7 +403,7 @@ TEST_F(FailedBody, DistortedPointsAreDebrisForGood) {
   EXPECT_EQ(body.grid.force, std::vector<double>(body.grid.force.size(), 0.0));
   displace(squeeze(0.0));
   EXPECT_EQ(energy(), 0.0);
-  body.for_points([&](int b, int l) { EXPECT_TRUE(body.points.record(kLanes * b + l).fragment); });
+  body.for_points([&](int b, int l) { EXPECT_TRUE(body.points.record(kLanes * b + l).distorted); });
   EXPECT_EQ(ClosingPoints(body.points, law->elasticity(), 0.0).energy(body.points, body.grid), 0.0);
 }
 

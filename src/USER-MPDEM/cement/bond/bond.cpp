@@ -65,7 +65,7 @@ std::vector<int> Bonds::rows_without_points() const {
   return rows;
 }
 
-const std::vector<int>& Bonds::resolved_slots() const {
+const std::vector<int>& Bonds::resolved_indices() const {
   if (resolved_is_known_) return resolved_;
   resolved_is_known_ = true;
   resolved_.clear();

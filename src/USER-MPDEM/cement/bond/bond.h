@@ -117,10 +117,10 @@ struct Bond {
     links.share(alike);
   }
   std::size_t memory_usage() const {
-    std::size_t of_systems = mechanisms.capacity() * sizeof(Mechanisms::value_type);
-    for (const std::unique_ptr<BondMechanism>& p : mechanisms) of_systems += p->memory_usage();
+    std::size_t of_mechanisms = mechanisms.capacity() * sizeof(Mechanisms::value_type);
+    for (const std::unique_ptr<BondMechanism>& p : mechanisms) of_mechanisms += p->memory_usage();
     return points.memory_usage() + film.memory_usage() + grid.memory_usage() + links.memory_usage() + added.memory_usage() +
-           average.memory_usage() + updated.memory_usage() + of_systems + sizeof(double) * (jump.capacity() + filtered.capacity());
+           average.memory_usage() + updated.memory_usage() + of_mechanisms + sizeof(double) * (jump.capacity() + filtered.capacity());
   }
 };
 
@@ -178,24 +178,24 @@ class Bonds {
   template <class B>
   struct ResolvedRange {
     const Slot* bonds;
-    const std::vector<int>& places;
-    Resolved<B> begin() const { return {bonds, places.data()}; }
-    Resolved<B> end() const { return {bonds, places.data() + places.size()}; }
+    const std::vector<int>& indices;
+    Resolved<B> begin() const { return {bonds, indices.data()}; }
+    Resolved<B> end() const { return {bonds, indices.data() + indices.size()}; }
   };
   // Calls f(bond, next) for all resolved bonds, in ascending order or backwards. next: the bond that follows in this
   // order, or null.
   template <class F>
   void for_each_resolved(F f) {
-    const std::vector<int>& places = resolved_slots();
-    for (std::size_t n = 0; n < places.size(); ++n) f(*here_[places[n]], n + 1 < places.size() ? here_[places[n + 1]].get() : nullptr);
+    const std::vector<int>& indices = resolved_indices();
+    for (std::size_t n = 0; n < indices.size(); ++n) f(*here_[indices[n]], n + 1 < indices.size() ? here_[indices[n + 1]].get() : nullptr);
   }
   template <class F>
   void for_each_resolved_backwards(F f) {
-    const std::vector<int>& places = resolved_slots();
-    for (std::size_t n = places.size(); n-- > 0;) f(*here_[places[n]], n > 0 ? here_[places[n - 1]].get() : nullptr);
+    const std::vector<int>& indices = resolved_indices();
+    for (std::size_t n = indices.size(); n-- > 0;) f(*here_[indices[n]], n > 0 ? here_[indices[n - 1]].get() : nullptr);
   }
-  ResolvedRange<Bond> resolved() { return {here_.data(), resolved_slots()}; }
-  ResolvedRange<const Bond> resolved() const { return {here_.data(), resolved_slots()}; }
+  ResolvedRange<Bond> resolved() { return {here_.data(), resolved_indices()}; }
+  ResolvedRange<const Bond> resolved() const { return {here_.data(), resolved_indices()}; }
   void resolved_changed() { resolved_is_known_ = false; }  // call after changes of BondRecord::condensed
   bool is_resolved(const Bond& b) const { return !table[b.row].condensed; }
 
@@ -221,7 +221,7 @@ class Bonds {
 
  private:
   std::vector<Slot>::const_iterator slot_of(int bond_row) const;  // entry of the bond, or where to insert it
-  const std::vector<int>& resolved_slots() const;
+  const std::vector<int>& resolved_indices() const;
 
   std::vector<Slot> here_;
   mutable std::vector<int> resolved_;

@@ -92,13 +92,13 @@ void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density) {
 BondedGrains::EndsOfAll BondedGrains::ends_of_all(MPI_Comm comm, const Bonds& bonds) const {
   EndsOfAll of_all;
   of_all.owned = find_ends(comm, bonds, true, of_all.ends);
-  hand_out(bonds, of_all.owned, of_all.ends);
+  send_motion(bonds, of_all.owned, of_all.ends);
   return of_all;
 }
 
-void BondedGrains::rebind_ends(MPI_Comm comm, Bonds& bonds, double density, const std::vector<BondEnd>& woken) {
+void BondedGrains::rebind_ends(MPI_Comm comm, Bonds& bonds, double density, const std::vector<BondEnd>& activated) {
   std::vector<BondEnd> before(ends.ends);
-  before.insert(before.end(), woken.begin(), woken.end());
+  before.insert(before.end(), activated.begin(), activated.end());
   const auto comes_before = [](const BondEnd& a, const BondEnd& b) {
     return std::make_pair(a.row, a.side) < std::make_pair(b.row, b.side);
   };
@@ -113,10 +113,10 @@ void BondedGrains::rebind_ends(MPI_Comm comm, Bonds& bonds, double density, cons
 void BondedGrains::distribute(const Bonds& bonds) {
   for (Grain& grain : grains)
     for (int d = 0; d < 6; ++d) grain.acceleration[d] = d < 3 ? grain.state->a[d] : 0.0;
-  hand_out(bonds, owned_, ends);
+  send_motion(bonds, owned_, ends);
 }
 
-void BondedGrains::hand_out(const Bonds& bonds, const std::vector<OwnedEnd>& owned, BondEnds& to) const {
+void BondedGrains::send_motion(const Bonds& bonds, const std::vector<OwnedEnd>& owned, BondEnds& to) const {
   std::vector<BondEnds::Motion> motion(owned.size());
   for (std::size_t k = 0; k < owned.size(); ++k) {
     const Grain& grain = grains[owned[k].grain];

@@ -64,9 +64,9 @@ class BondedGrains {
   // Collective. Call after grains or bonds changed rank. Finds the ends of the resolved bonds, and their owners.
   // density: density of the inertia of the cement.
   void bind(MPI_Comm comm, Bonds& bonds, double density);
-  // Collective. Call when bonds were activated in a step. They get ends, and the other ends keep their state. woken:
+  // Collective. Call when bonds were activated in a step. They get ends, and the other ends keep their state. activated:
   // state of the new ends, ascending, on ranks that had the condensed bonds.
-  void rebind_ends(MPI_Comm comm, Bonds& bonds, double density, const std::vector<BondEnd>& woken);
+  void rebind_ends(MPI_Comm comm, Bonds& bonds, double density, const std::vector<BondEnd>& activated);
   // Collective. Sends the motion of the grains to all ranks that have ends of bonds on them.
   void distribute(const Bonds& bonds);
   // Collective. Returns ends of all bonds, condensed ones too, with the present motion of the grains.
@@ -188,7 +188,7 @@ class BondedGrains {
   std::size_t slot_of(int tag) const;  // index in `grains`, or their number if the grain is not on this rank
   // Collective. Finds ends of bonds, and returns those that this rank owns. all: of condensed bonds, too.
   std::vector<OwnedEnd> find_ends(MPI_Comm comm, const Bonds& bonds, bool all, BondEnds& found) const;
-  void hand_out(const Bonds& bonds, const std::vector<OwnedEnd>& owned, BondEnds& to) const;
+  void send_motion(const Bonds& bonds, const std::vector<OwnedEnd>& owned, BondEnds& to) const;
   void watch_jump(const Grain& g);
 
   std::vector<OwnedEnd> owned_;

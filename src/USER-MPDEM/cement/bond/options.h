@@ -36,10 +36,10 @@ struct CementOptions {
   bool split = false;       // do nodes split as points fail, not only when the bond separates, see cement/failure/node_splitting.h
   bool unilateral = false;  // are failed points stiff while their crack is closed, see mpm/closing_points.h
   bool condense = false;    // are bonds condensed while their damage is far from its threshold, see cement/condensed/condensed_bonds.h
-  double wake = 0.8;        // share of the threshold at which a condensed bond is activated
-  int subcycle = 1;         // sub-steps in a step of the host; 0: as many as the cement needs
-  bool balance = false;     // are bonds moved to ranks that have less work, see cement/bond/work_shares.h
-  int check_every = 100;    // steps between two checks
+  double activation_share = 0.8;  // share of the threshold at which a condensed bond is activated
+  int subcycle = 1;               // sub-steps in a step of the host; 0: as many as the cement needs
+  bool balance = false;           // are bonds moved to ranks that have less work, see cement/bond/work_shares.h
+  int check_every = 100;          // steps between two checks
   double most_bytes = std::numeric_limits<double>::infinity();  // limit for the grids of a rank
 
   // Where nodes split as points fail, a bridge narrower than a cell of the grid carries almost nothing.

@@ -16,9 +16,9 @@ double mean(const std::vector<double>& work) { return std::accumulate(work.begin
 
 }  // namespace
 
-bool is_adjacent(const SubdomainIndex& brick, const SubdomainIndex& low, const SubdomainIndex& high) {
+bool is_adjacent(const SubdomainIndex& subdomain, const SubdomainIndex& low, const SubdomainIndex& high) {
   for (int d = 0; d < 3; ++d)
-    if (brick[d] < high[d] - 1 || brick[d] > low[d] + 1) return false;
+    if (subdomain[d] < high[d] - 1 || subdomain[d] > low[d] + 1) return false;
   return true;
 }
 
@@ -27,7 +27,7 @@ double load_imbalance(const std::vector<double>& work) {
   return all > 0.0 ? *std::max_element(work.begin(), work.end()) / all : 1.0;
 }
 
-std::vector<BondMove> rebalance(const std::vector<SubdomainIndex>& bricks, std::vector<MovableBond> bonds, std::vector<double> work) {
+std::vector<BondMove> rebalance(const std::vector<SubdomainIndex>& subdomains, std::vector<MovableBond> bonds, std::vector<double> work) {
   if (load_imbalance(work) <= kAllowedImbalance) return {};
   std::sort(bonds.begin(), bonds.end(), [](const MovableBond& a, const MovableBond& b) { return a.row < b.row; });
   std::map<int, int> moved;  // rank by row
@@ -40,7 +40,7 @@ std::vector<BondMove> rebalance(const std::vector<SubdomainIndex>& bricks, std::
       if (b.rank != from) continue;
       for (std::size_t rank = 0; rank < work.size(); ++rank) {
         const double gain = std::min(b.work, work[from] - work[rank] - b.work);
-        if (gain <= most || !is_adjacent(bricks[rank], b.low, b.high)) continue;
+        if (gain <= most || !is_adjacent(subdomains[rank], b.low, b.high)) continue;
         most = gain;
         best = &b;
         to = static_cast<int>(rank);

@@ -27,7 +27,7 @@ struct BondMove {
 };
 
 // True if the subdomain touches all of those from `low` to `high`, or is one of them.
-bool is_adjacent(const SubdomainIndex& brick, const SubdomainIndex& low, const SubdomainIndex& high);
+bool is_adjacent(const SubdomainIndex& subdomain, const SubdomainIndex& low, const SubdomainIndex& high);
 
 // The largest work of a rank over the mean; 1 if there is no work.
 double load_imbalance(const std::vector<double>& work_of_ranks);
@@ -37,8 +37,8 @@ constexpr double kAllowedImbalance = 1.1;
 
 // Greedy algorithm: each move is the best one from the rank that has most work. It ends when that rank has at most 2 %
 // more than the mean, or when no move reduces its work. Returns the moves, ascending in row; none if the work is even.
-// bricks: subdomain of each rank. work: of each rank, with its movable bonds. Equal arguments give equal results.
-std::vector<BondMove> rebalance(const std::vector<SubdomainIndex>& bricks, std::vector<MovableBond> bonds, std::vector<double> work);
+// subdomains: subdomain of each rank. work: of each rank, with its movable bonds. Equal arguments give equal results.
+std::vector<BondMove> rebalance(const std::vector<SubdomainIndex>& subdomains, std::vector<MovableBond> bonds, std::vector<double> work);
 
 }  // namespace mpdem
 

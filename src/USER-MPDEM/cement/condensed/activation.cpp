@@ -214,9 +214,10 @@ bool CondensedBonds::matches_rigid_pieces(Bond& resolved, const BondRecord& reco
                                           const LoadHistory::Largest& largest, const double* gravity, double dt_last, const Law& law) {
   if (points_in_fragments(resolved.points) >= kLeastLoose) return false;
   // Fragments carry no load, and may be in free flight.
-  const std::vector<signed char> holding = attached_grains_of_nodes(resolved);
-  energy -= energy_of_fragments(resolved, holding, law, dt_last);
-  const std::vector<CondensedModel> models = models_of_pieces(resolved, holding, frame_of(record, EndsAtCreation(record).ends).middle);
+  const std::vector<signed char> attached_grain = attached_grains_of_nodes(resolved);
+  energy -= energy_of_fragments(resolved, attached_grain, law, dt_last);
+  const std::vector<CondensedModel> models =
+      models_of_pieces(resolved, attached_grain, frame_of(record, EndsAtCreation(record).ends).middle);
   const double radius = LoadHistory::radius_of(record);
   double force = 0.0;
   for (int s = 0; s < 2; ++s) {

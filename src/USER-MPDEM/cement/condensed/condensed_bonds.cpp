@@ -96,7 +96,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
                 " are far off at nodes that are connected by almost nothing; use ",
                 record.point_template > 0
                     ? "'points now' of create_cement, with which such a bond stays resolved, 'overlap skip' where neighbours trimmed it, "
-                    : "'edge tied' where edges are free, points that hold, ",
+                    : "'edge tied' where edges are free, more intact points, ",
                 "or 'condense no'"));
   if (!b) return s;
   const Film::Strains* const strains[] = {&s->fields.strain, &s->fields.strain_of_film};
@@ -561,7 +561,8 @@ double CondensedBonds::largest_root(Bond& b, const BondRecord& record, int membe
 // reaches the level of activation, and again when the motion has changed by the margin of the last examination. So the
 // step of activation does not depend on when points were examined.
 std::vector<int> CondensedBonds::rows_due(Bonds& bonds, const CementOptions& options, const Law& law, std::vector<int>& together) {
-  const double times = options.advance.nonlocal ? bound_of_averages(law) : 1.0, activation_root = root_of_share(law, options.wake) / times;
+  const double times = options.advance.nonlocal ? bound_of_averages(law) : 1.0,
+               activation_root = root_of_share(law, options.activation_share) / times;
   std::vector<int> rows;
   if (!pack_.any_level_reaches(activation_root)) return rows;
   for (std::size_t member = 0; member < members_.size(); ++member) {
@@ -583,7 +584,7 @@ std::vector<int> CondensedBonds::rows_due(Bonds& bonds, const CementOptions& opt
 bool CondensedBonds::note_check(std::size_t member, double root, const CementOptions& options, const Law& law) {
   Member& m = members_[member];
   for (int j = 0; j < 6; ++j) m.examined_at[j] = pack_.relative(static_cast<int>(member), j);
-  const double activation_root = root_of_share(law, options.wake), bound = pack_.level(static_cast<int>(member));
+  const double activation_root = root_of_share(law, options.activation_share), bound = pack_.level(static_cast<int>(member));
   m.margin = options.advance.nonlocal ? margin_of_average(law, bound_of_averages(law) * bound, root, activation_root)
                                       : margin_of_root(law, bound, root, activation_root);
   return root >= activation_root;

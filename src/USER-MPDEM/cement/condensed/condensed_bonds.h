@@ -64,7 +64,7 @@ class CondensedBonds {
     bool counts = true;  // true on the first of the ranks that have the template
   };
   // Collective. Adds the laid-out bonds of templates to those that are here, or replaces these (all_anew). Solves those
-  // that are new or changed. patterns: number of templates. Call before solve().
+  // that are new or changed. templates: number of templates. Call before solve().
   void install_templates(MPI_Comm comm, std::vector<TemplateBond> laid_out, int templates, bool all_anew, const Law& law,
                          const PenaltyParameters& links, double inertia);
   bool has_template(int point_template) const { return templates_.count(point_template) > 0; }
@@ -110,7 +110,7 @@ class CondensedBonds {
   const PointSums& sums_of_points(int bond_row) const { return find(bond_row)->solution->sums; }
   std::vector<int> owned_rows() const;
   std::vector<int> rows_without_points(const Bonds& bonds) const;  // owned rows whose points are made later
-  const TemplateBond& of_pattern(const BondRecord& record) const { return templates_.at(record.point_template).of; }
+  const TemplateBond& template_bond_of(const BondRecord& record) const { return templates_.at(record.point_template).of; }
   // Work in a step of the loads on the grains of this rank, and of the weight, for bonds from first_row on.
   EnergyBalance::StepWork work(const BondedGrains& grains, const Bonds& bonds, const double* gravity, double dt_last, int first_row) const;
   // Work on the cement when commands changed velocities of grains between two runs, by the velocity jumps of the ends.

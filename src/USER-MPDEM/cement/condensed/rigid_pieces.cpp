@@ -34,7 +34,7 @@ int points_in_fragments(const PointStore& points) {
   return count;
 }
 
-double energy_of_fragments(const Bond& bond, const std::vector<signed char>& holding, const Law& of_any_kind, double dt_last) {
+double energy_of_fragments(const Bond& bond, const std::vector<signed char>& attached_grain, const Law& of_any_kind, double dt_last) {
   double energy = 0.0;
   with_law(of_any_kind, [&](const auto& law) {
     for (std::size_t b = 0; b < bond.points.meta.size(); ++b) {
@@ -47,7 +47,7 @@ double energy_of_fragments(const Bond& bond, const std::vector<signed char>& hol
   });
   const Grid& grid = bond.grid;
   for (int i = 0; i < grid.size(); ++i)
-    for (int n = 3 * i; n < 3 * i + 3 && holding[i] < 0; ++n)
+    for (int n = 3 * i; n < 3 * i + 3 && attached_grain[i] < 0; ++n)
       energy += 0.5 * grid.mass[i] * grid.velocity[n] * (grid.velocity[n] + dt_last * grid.acceleration[n]);
   return energy;
 }

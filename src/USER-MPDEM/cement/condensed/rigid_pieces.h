@@ -33,8 +33,8 @@ std::array<BondEnd, 2> loaded_ends_of_piece(const BondEnd& end);
 // Number of points in fragments on this rank. The bond must be separated.
 int points_in_fragments(const PointStore& points);
 
-// Energy of fragments: kinetic energy of the nodes that are -1 in `holding`, and strain energy of points in fragments.
-double energy_of_fragments(const Bond& bond, const std::vector<signed char>& holding, const Law& law, double dt_last);
+// Energy of fragments: kinetic energy of the nodes that are -1 in `attached_grain`, and strain energy of points in fragments.
+double energy_of_fragments(const Bond& bond, const std::vector<signed char>& attached_grain, const Law& law, double dt_last);
 
 // Grain 0 or 1 to which the cement at each node is attached; -1: none. Collective for the ranks that share the nodes.
 std::vector<signed char> attached_grains_of_nodes(Bond& bond);

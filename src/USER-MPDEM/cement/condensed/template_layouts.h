@@ -16,7 +16,7 @@ namespace mpdem {
 // Numbers (from 1) of the templates whose bonds have a grain on this rank, ascending.
 std::vector<int> templates_of_owned_grains(const Scene& scene);
 
-// Collective. patterns: numbers of the templates that this rank needs, ascending. Each layout is whole on this rank.
+// Collective. templates: numbers of the templates that this rank needs, ascending. Each layout is whole on this rank.
 // penalty: parameters of the links; null: no links. Throws BadState on all ranks.
 std::vector<CondensedBonds::TemplateBond> layouts_of_templates(const Scene& scene, const std::vector<int>& templates,
                                                                const PenaltyParameters* penalty);

@@ -130,7 +130,7 @@ class Cement {
   // of a crack in contact slid too far.
   void check_state();
   // Ligaments of intact bonds. rows: ascending.
-  std::vector<Cracks::LigamentReport> cracks_ahead(const std::vector<int>& rows) { return topology_.ahead(rows); }
+  std::vector<Cracks::LigamentReport> ligaments(const std::vector<int>& rows) { return topology_.find_ligaments(rows); }
 
   // Restart: packs the state of all ranks, complete on rank 0. head: with the values of the host.
   std::vector<double> packed_state(CementHead head);

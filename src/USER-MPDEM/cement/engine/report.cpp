@@ -346,7 +346,7 @@ const std::vector<BondState>& Report::bond_states() {
     add(b.row, b, scene_.bonds().record(b), of_bond);
   }
   for (int row : condensed_.rows_without_points(scene_.bonds())) {
-    const CondensedBonds::TemplateBond& p = condensed_.of_pattern(scene_.bonds().table[row]);
+    const CondensedBonds::TemplateBond& p = condensed_.template_bond_of(scene_.bonds().table[row]);
     add(row, p.bond, p.record, condensed_.sums_of_points(row));
   }
   global_sum(sum, scene_.comm);

@@ -172,7 +172,7 @@ void Cracks::note_debonded_links(const Bond& bond) {
 // Intact film bridges the grains, wherever the rest is cracked.
 void Cracks::note_film_failure(const Bond& bond) {
   State& s = states_[bond.row];
-  if (bond.film.holds() || s.path_cut || s.separation.separated) return;
+  if (bond.film.carries_load() || s.path_cut || s.separation.separated) return;
   s.path_cut = true;
   cut_.push_back(bond.row);
 }
@@ -205,8 +205,8 @@ std::string Cracks::mode(std::size_t row) const { return broken(row) ? mode_of(s
 bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond) == states_[bond.row].broken_seen; }
 
 // Returns rows whose path is cut and where something failed since the last examination. Any separated bond may have new
-// fragments, so with `fragment` all resolved ones are candidates.
-std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool fragment, int from) {
+// fragments, so with `with_separated` all resolved ones are candidates.
+std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool with_separated, int from) {
   const auto take = [from](std::vector<int>& rows) {  // those before `from` stay
     const auto first = std::stable_partition(rows.begin(), rows.end(), [from](int row) { return row < from; });
     const std::vector<int> taken(first, rows.end());
@@ -218,7 +218,7 @@ std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool f
   rows.insert(rows.end(), fresh.begin(), fresh.end());  // none is in `rows` yet: note() skips rows whose path is cut
   for (int row : rows) states_[row].path_cut = false;
   rows.erase(std::remove_if(rows.begin(), rows.end(), [&](int row) { return states_[row].separation.separated; }), rows.end());
-  if (fragment) {
+  if (with_separated) {
     for (int row : bonds.resolved_rows())
       if (row >= from && states_[row].separation.separated) rows.push_back(row);
   }
@@ -228,7 +228,7 @@ std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool f
     const Bond* b = bonds.find(rows[n]);
     if (!b) continue;
     now[2 * n] = count_broken(*b);
-    now[2 * n + 1] = b->film.holds();
+    now[2 * n + 1] = b->film.carries_load();
   }
   MPI_Allreduce(MPI_IN_PLACE, now.data(), static_cast<int>(now.size()), MPI_DOUBLE, MPI_SUM, comm);
   std::vector<int> examined;
@@ -242,9 +242,10 @@ std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool f
   return examined;
 }
 
-Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool residue, bool fragment, int from) {
+Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool residue, bool with_separated,
+                                         int from) {
   Found found;
-  const std::vector<int> examined = rows_to_check(comm, bonds, fragment, from);
+  const std::vector<int> examined = rows_to_check(comm, bonds, with_separated, from);
   if (examined.empty()) return found;
   const int ranks = ranks_of(comm);
 
@@ -283,9 +284,9 @@ Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const Ceme
     for (std::size_t k = 0; k < whole.points[n].size(); ++k) {
       const CrackPoint& point = whole.points[n][k];
       const WholeBonds::Source& at = whole.sources[n][k];
-      const int holds = separations[n].separated ? separations[n].holds[k] : point.connected;
-      if (holds == point.connected) continue;
-      held[at.rank].push_back({examined[n], at.slot, holds});
+      const int connected = separations[n].separated ? separations[n].attached_grains[k] : point.connected;
+      if (connected == point.connected) continue;
+      held[at.rank].push_back({examined[n], at.slot, connected});
       result[kRow * n + 4] = 1.0;
     }
   for (const Held& h : all_to_all(comm, held).data) bonds.find(h.row)->points.set_connected(h.slot, h.connected);
@@ -319,10 +320,10 @@ std::vector<Cracks::LigamentReport> Cracks::find_ligaments(MPI_Comm comm, const 
     if (const Bond* bond = bonds.find(row)) {
       const Film::Areas film = bond->film.areas();
       const double face = bonds.table[row].spacing * bonds.table[row].spacing;
-      found[kWords * b] += film.holding / face;  // as points across the line of centres would count
+      found[kWords * b] += film.intact / face;  // as points across the line of centres would count
       found[kWords * b + 1] += film.all() / face;
       for (int g = 0; g < 2; ++g) found[kWords * b + 2 + g] += film.at_grain[g];
-      found[kWords * b + 4] += film.inside + film.holding;
+      found[kWords * b + 4] += film.inside + film.intact;
     }
     if (points.empty()) continue;
     const Ligament ligament = find_ligament(points);
@@ -366,13 +367,13 @@ std::map<int, std::vector<char>> Cracks::attached_grains(MPI_Comm comm, const Bo
 
 void Cracks::record_failures(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows, bool residue,
                              std::int64_t step) {
-  std::vector<int> holding;
-  std::copy_if(rows.begin(), rows.end(), std::back_inserter(holding), [&](int row) { return !broken(row); });
-  if (holding.empty()) return;
-  const std::vector<LigamentReport> found = find_ligaments(comm, bonds, options, holding, residue);
-  for (std::size_t n = 0; n < holding.size(); ++n) {
+  std::vector<int> unbroken;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(unbroken), [&](int row) { return !broken(row); });
+  if (unbroken.empty()) return;
+  const std::vector<LigamentReport> found = find_ligaments(comm, bonds, options, unbroken, residue);
+  for (std::size_t n = 0; n < unbroken.size(); ++n) {
     if (found[n].left >= found[n].whole) continue;
-    State& state = states_[holding[n]];
+    State& state = states_[unbroken[n]];
     state.broken_at = step;
     const bool separated = state.separation.separated;
     state.separation = found[n].surface;

@@ -55,14 +55,14 @@ class Cracks {
   // Collective. True if a path is cut on any rank, or a bond waits for its first examination.
   bool some_path_is_cut(MPI_Comm comm) const;
 
-  // Collective. Examines bonds in which points failed or links debonded: those whose path is cut and, with `fragment`,
+  // Collective. Examines bonds in which points failed or links debonded: those whose path is cut and, with `with_separated`,
   // those that are separated already. residue: TractionLaw::leaves_residue(). Residue distinguishes debonding from a
   // crack beside the interface, so the width of the damage band is not used then. Rows before `from` wait.
   struct Found {
     NodeSplitting::SeparatedBonds separated_bonds;
     std::vector<int> held;  // bonds with points whose PointRecord::connected changed; ascending
   };
-  Found detect_separations(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool residue, bool fragment, int from = 0);
+  Found detect_separations(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool residue, bool with_separated, int from = 0);
 
   // Collective. Finds the ligament of each of these bonds, and the fracture surface that its failure would give. rows:
   // connected bonds, ascending.
@@ -90,7 +90,7 @@ class Cracks {
 
  private:
   void note(const Bond& bond, int slot);
-  std::vector<int> rows_to_check(MPI_Comm comm, const Bonds& bonds, bool fragment, int from);
+  std::vector<int> rows_to_check(MPI_Comm comm, const Bonds& bonds, bool with_separated, int from);
   Separation find_separation(const BondRecord& record, int row, const CementOptions& options, const std::vector<CrackPoint>& points,
                              bool residue) const;
 

@@ -181,7 +181,7 @@ NewLayersOfBonds NodeSplitting::apply(MPI_Comm comm, const Bonds& bonds, const s
       if (!marks[tag % kMarks]) return;
       const auto m = std::lower_bound(of_bond.first, of_bond.second, tag, [](const SentLayer& a, int t) { return a.tag < t; });
       if (m == of_bond.second || m->tag != tag) return;
-      if (m->layer >= kMaxLayers) throw OnOneRank(text_of("a bond broke into more than ", kMaxLayers, " parts"));
+      if (m->layer >= kMaxLayers) throw OnOneRank(text_of("a bond broke into more than ", kMaxLayers, " layers"));
       layer_of_slot[kLanes * b + l] = m->layer;
     });
   }

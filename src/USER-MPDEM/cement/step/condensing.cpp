@@ -187,7 +187,7 @@ bool Condensing::rests(Bond& b) {
                                            scene_.dt_last, *scene_.law);
   const double root =
       std::max(largest_root_of_drive(b.points, *scene_.law, nullptr), largest_root_of_drive(b.film.points, *scene_.law, nullptr));
-  if (root >= kBelow * root_of_share(*scene_.law, scene_.options.wake)) return false;
+  if (root >= kBelow * root_of_share(*scene_.law, scene_.options.activation_share)) return false;
   return condensed_.matches_static_solution(b, record, ends, work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law);
 }
 

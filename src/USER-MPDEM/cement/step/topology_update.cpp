@@ -80,8 +80,8 @@ void TopologyUpdate::split_at_failed_points() {
   if (scene_.options.split) split_nodes();
 }
 
-void TopologyUpdate::separate_pieces(bool fragment) {
-  Found found = find_separations(fragment);
+void TopologyUpdate::separate_pieces(bool with_separated) {
+  Found found = find_separations(with_separated);
   change_bonds(found.lay_out, std::move(found.layers), "pieces separated");
   find_relative_damping(found.held);
 }
@@ -91,14 +91,14 @@ void TopologyUpdate::sort_links() {
   for (Bond& b : scene_.bonds()) scene_.formulation->sort_links(b);
 }
 
-std::vector<Cracks::LigamentReport> TopologyUpdate::ahead(const std::vector<int>& rows) {
+std::vector<Cracks::LigamentReport> TopologyUpdate::find_ligaments(const std::vector<int>& rows) {
   sort_links();
   return discontinuities_.cracks.find_ligaments(scene_.comm, scene_.bonds(), scene_.options, rows, scene_.leaves_residue());
 }
 
-TopologyUpdate::Found TopologyUpdate::find_separations(bool fragment, int from) {
-  Cracks::Found cracked =
-      discontinuities_.cracks.detect_separations(scene_.comm, scene_.bonds(), scene_.options, scene_.leaves_residue(), fragment, from);
+TopologyUpdate::Found TopologyUpdate::find_separations(bool with_separated, int from) {
+  Cracks::Found cracked = discontinuities_.cracks.detect_separations(scene_.comm, scene_.bonds(), scene_.options, scene_.leaves_residue(),
+                                                                     with_separated, from);
   return {discontinuities_.splits->split_pieces(scene_.comm, scene_.bonds(), scene_.options, std::move(cracked.separated_bonds)),
           std::move(cracked.held)};
 }

@@ -34,7 +34,7 @@ class TopologyUpdate {
     if (scene_.can_break()) load_history_.add(scene_.grains, scene_.bonds().table, scene_.dt_last);
   }
   // Ligaments of connected bonds. rows: rows of the table, ascending.
-  std::vector<Cracks::LigamentReport> ahead(const std::vector<int>& rows);
+  std::vector<Cracks::LigamentReport> find_ligaments(const std::vector<int>& rows);
 
   LoadHistory& load_history() { return load_history_; }  // for restart files
 
@@ -42,11 +42,11 @@ class TopologyUpdate {
   struct Found : NodeSplitting::Found {
     std::vector<int> held;  // see Cracks::Found
   };
-  Found find_separations(bool fragment, int from = 0);  // from: the first row
+  Found find_separations(bool with_separated, int from = 0);  // from: the first row
   void update_after_check();
   void update_cut_paths();
   void split_at_failed_points();
-  void separate_pieces(bool fragment);
+  void separate_pieces(bool with_separated);
   void sort_links();
   void split_nodes();
   void change_bonds(const std::vector<int>& rows, NewLayersOfBonds layers, const char* event);

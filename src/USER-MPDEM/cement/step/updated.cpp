@@ -168,7 +168,7 @@ class Updated : public Kinematics {
   // the next step. Until then its margin has the nodes.
   void update_links(Bond& b) {
     scene_.timer.start(StepTimer::kCoupling);
-    const bool moved = b.links.remap_contacts(b.points);
+    const bool moved = b.links.move_links(b.points);
     if (scene_.leaves_residue()) forces_.debond(b);  // new blocks would drop residue before its energy is counted
     if (moved && !b.links.follow_points(b.points, scene_.bonds().record(b), b.grid))
       throw OnOneRank(

@@ -26,7 +26,7 @@ constexpr int kSphereNumbers = 17;  // numbers of an atom of style sphere, befor
 // Largest number of values of the state of an atom, the first of which is its kind. One more value gives their number.
 constexpr int kMostOfState = 1 + std::max(mpdem::kMostNumbers<mpdem::PointRecord>, mpdem::kMostNumbers<mpdem::GrainState>);
 constexpr int kBondNumbers = mpdem::kMostNumbers<mpdem::BondRecord>;
-constexpr bigint kMostOfPatterns = std::numeric_limits<int>::max();  // limit of values of all templates, since MPI counts in int
+constexpr bigint kMostTemplateNumbers = std::numeric_limits<int>::max();  // limit of values of all templates, since MPI counts in int
 enum Kind {
   kNoState = 0,
   kPoint = 1,
@@ -385,13 +385,13 @@ void AtomVecMpdem::write_restart_settings(FILE* fp) {
   fwrite(head, sizeof(int), kRestartHead, fp);
   write_numbers(fp, numbers);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
-  const std::vector<double> template_bonds = mpdem::packed(bonds.templates);
-  const bigint count = static_cast<bigint>(template_bonds.size());
-  if (count > kMostOfPatterns)
-    mpdem::stop_one(lmp, mpdem::text_of("write_restart: the patterns of bonds without points have ", count, " numbers, at most ",
-                                        kMostOfPatterns, " are allowed; use 'points now' of create_cement where bonds are not equal"));
+  const std::vector<double> packed_templates = mpdem::packed(bonds.templates);
+  const bigint count = static_cast<bigint>(packed_templates.size());
+  if (count > kMostTemplateNumbers)
+    mpdem::stop_one(lmp, mpdem::text_of("write_restart: the templates of bonds without points have ", count, " numbers, at most ",
+                                        kMostTemplateNumbers, " are allowed; use 'points now' of create_cement where bonds are not equal"));
   fwrite(&count, sizeof count, 1, fp);
-  write_numbers(fp, template_bonds);
+  write_numbers(fp, packed_templates);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
 }
 
@@ -422,13 +422,13 @@ std::string AtomVecMpdem::read_bonds(FILE* fp) {
   std::vector<double> numbers(static_cast<std::size_t>(kBondNumbers) * count);
   if (!read_numbers(fp, numbers)) return truncated;
   if (!marked()) return mpdem::text_of("the file is damaged: it says ", count, " bonds, which is not how many it has", cure);
-  bigint template_bonds = 0;
-  if (fread(&template_bonds, sizeof template_bonds, 1, fp) != 1) return truncated;
-  if (template_bonds < templates || template_bonds > std::min(kMostOfPatterns, numbers_left(fp)))
-    return "the file is damaged in the patterns of points" + cure;
-  std::vector<double> pattern_numbers(template_bonds);
-  if (!read_numbers(fp, pattern_numbers)) return truncated;
-  if (!marked()) return "the file is damaged in the patterns of points" + cure;
+  bigint template_numbers = 0;
+  if (fread(&template_numbers, sizeof template_numbers, 1, fp) != 1) return truncated;
+  if (template_numbers < templates || template_numbers > std::min(kMostTemplateNumbers, numbers_left(fp)))
+    return "the file is damaged in the templates of points" + cure;
+  std::vector<double> template_values(template_numbers);
+  if (!read_numbers(fp, template_values)) return truncated;
+  if (!marked()) return "the file is damaged in the templates of points" + cure;
   bonds.table.resize(count);
   mpdem::RecordReader in(numbers.data(), numbers.data() + numbers.size());
   for (mpdem::BondRecord& record : bonds.table) {
@@ -437,11 +437,12 @@ std::string AtomVecMpdem::read_bonds(FILE* fp) {
       return mpdem::text_of("the file is damaged in the data of the bond of grains ", record.grain[0], " and ", record.grain[1], ": ",
                             in.trouble(), cure);
   }
-  mpdem::RecordReader in_patterns(pattern_numbers.data(), pattern_numbers.data() + pattern_numbers.size());
-  mpdem::read(in_patterns, templates, bonds.templates);
-  if (!in_patterns.at_end()) in_patterns.tell("they are longer than they can be");
-  if (in_patterns.trouble().empty()) in_patterns.tell(trouble_of(bonds.templates, bonds.table));
-  if (!in_patterns.trouble().empty()) return mpdem::text_of("the file is damaged in the patterns of points: ", in_patterns.trouble(), cure);
+  mpdem::RecordReader in_templates(template_values.data(), template_values.data() + template_values.size());
+  mpdem::read(in_templates, templates, bonds.templates);
+  if (!in_templates.at_end()) in_templates.tell("they are longer than they can be");
+  if (in_templates.trouble().empty()) in_templates.tell(trouble_of(bonds.templates, bonds.table));
+  if (!in_templates.trouble().empty())
+    return mpdem::text_of("the file is damaged in the templates of points: ", in_templates.trouble(), cure);
   return "";
 }
 

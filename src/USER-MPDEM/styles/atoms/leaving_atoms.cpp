@@ -194,7 +194,8 @@ void LeavingAtoms::stop_if_wrong(const Leaving& leaving, bigint of_all, double c
     stop_all(
         lmp,
         text_of(who_, all, " of ", of_all,
-                " material points were deleted that hold to grains which stay; cement cannot be deleted by points, but the cement of a "
+                " material points were deleted that are connected to grains which stay; cement cannot be deleted by points, but the cement "
+                "of a "
                 "separated "
                 "bond as a whole, and fragments that are connected to no grain; delete a grain whose bonds are separated, and its cement "
                 "goes with it"));

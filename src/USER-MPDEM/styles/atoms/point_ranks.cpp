@@ -73,7 +73,7 @@ int PointRanks::subdomain_along(int d, double x) const {
   return std::clamp(at, 0, static_cast<int>(edges.size()) - 2);
 }
 
-double PointRanks::middle(int d, int brick) const { return 0.5 * (edges_[d][brick] + edges_[d][brick + 1]); }
+double PointRanks::middle(int d, int subdomain) const { return 0.5 * (edges_[d][subdomain] + edges_[d][subdomain + 1]); }
 
 bool PointRanks::any_homes(const AtomVecMpdem& avec) const {
   return std::any_of(avec.bonds.table.begin(), avec.bonds.table.end(), [](const BondRecord& b) { return b.home > 0; });
@@ -142,9 +142,9 @@ std::vector<MovableBond> PointRanks::movable_bonds(const AtomVecMpdem& avec) con
     MovableBond& b = at->second;
     const bool first = b.high[0] < 0;
     for (int d = 0; d < 3; ++d) {
-      const int brick = subdomain_along(d, atom->x[i][d]);
-      b.low[d] = first ? brick : std::min(b.low[d], brick);
-      b.high[d] = first ? brick : std::max(b.high[d], brick);
+      const int subdomain = subdomain_along(d, atom->x[i][d]);
+      b.low[d] = first ? subdomain : std::min(b.low[d], subdomain);
+      b.high[d] = first ? subdomain : std::max(b.high[d], subdomain);
     }
   }
   std::vector<MovableBond> bonds;

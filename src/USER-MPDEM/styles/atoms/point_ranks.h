@@ -53,7 +53,7 @@ class PointRanks : protected LAMMPS_NS::Pointers {
   bool any_homes(const LAMMPS_NS::AtomVecMpdem& avec) const;
   void find_subdomains();
   int subdomain_along(int d, double x) const;  // index of the subdomain with this coordinate
-  double middle(int d, int brick) const;
+  double middle(int d, int subdomain) const;
   std::vector<MovableBond> movable_bonds(const LAMMPS_NS::AtomVecMpdem& avec) const;
 
   std::vector<SubdomainIndex> subdomains_;  // subdomain of each rank

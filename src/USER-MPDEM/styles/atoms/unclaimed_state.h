@@ -6,8 +6,8 @@
 // and LIGGGHTS gives new atoms none (create_atoms refuses to work then). They get a neutral row: no contacts, and zeros
 // as values. Before the first run, the fixes that read it set their own defaults, as for points made later. No command
 // can have set a value before (`set` refuses to).
-#ifndef MPDEM_STYLES_ATOMS_WAITING_STATE_H
-#define MPDEM_STYLES_ATOMS_WAITING_STATE_H
+#ifndef MPDEM_STYLES_ATOMS_UNCLAIMED_STATE_H
+#define MPDEM_STYLES_ATOMS_UNCLAIMED_STATE_H
 
 #include <vector>
 

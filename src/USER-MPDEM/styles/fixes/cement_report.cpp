@@ -94,7 +94,7 @@ bigint failed_without_damage(MPI_Comm world, Cement& c) {
     for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
       for (int l = 0; l < kLanes; ++l) {
         const BlockMeta& m = bond.points.meta[b];
-        const bool waits = (m.occupied & m.failed & ~m.fragment) >> l & 1;
+        const bool waits = (m.occupied & m.failed & ~m.distorted) >> l & 1;
         if (waits && !(crack_of(bond.points, kLanes * static_cast<int>(b) + l).damage[0] > 0.0)) ++mine;
       }
   MPI_Allreduce(&mine, &all, 1, MPI_LMP_BIGINT, MPI_SUM, world);
@@ -342,15 +342,15 @@ void CementReport::modes(Cement& c) {
   const std::vector<BondRecord>& table = c.bonds().table;
   const Cracks& cracks = c.cracks();
   std::vector<char> told(state.size(), 0);
-  std::vector<int> holding;
+  std::vector<int> not_separated;
   std::size_t lines = 0;
   for (std::size_t b = 0; b < std::min(state.size(), cracks.size()) && lines < kMostLines; ++b) {
     told[b] = is_listed(state[b]);
-    if (told[b] && !cracks.separated(b)) holding.push_back(static_cast<int>(b));
+    if (told[b] && !cracks.separated(b)) not_separated.push_back(static_cast<int>(b));
     lines += told[b];
   }
   if (lines == 0) return;
-  const std::vector<Cracks::LigamentReport> ahead = c.cracks_ahead(holding);
+  const std::vector<Cracks::LigamentReport> ahead = c.ligaments(not_separated);
   if (lmp_->comm->me != 0) return;
   auto of_next = ahead.begin();
   bool shares_nodes = false;  // has a bond lost more than half of a section whose crack has no phantom nodes?

@@ -179,9 +179,9 @@ void take_condense(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
   CementOptions& o = w.options;
   o.condense = args.yes_no("condense");
   if (!args.accept("wake")) return;
-  o.wake = args.number("condense ... wake");
-  if (!(o.wake > 0.0 && o.wake <= 1.0))
-    args.complain(text_of("'condense ... wake ", o.wake, "': share of the threshold of the damage, must lie in (0, 1]"));
+  o.activation_share = args.number("condense ... wake");
+  if (!(o.activation_share > 0.0 && o.activation_share <= 1.0))
+    args.complain(text_of("'condense ... wake ", o.activation_share, "': share of the threshold of the damage, must lie in (0, 1]"));
 }
 
 const std::vector<ScriptKeyword>& fix_mpm_keywords() {
