@@ -4,7 +4,7 @@
 # missing; with the word `tests` what the tests need besides. Without root it prints the one line to run and stops.
 set -eu
 packages="g++ make cmake liggghts libliggghts-dev libeigen3-dev libopenmpi-dev openmpi-bin openssh-client
-          libgtest-dev libbenchmark-dev python3-numpy python3-scipy python3-matplotlib python3-pytest
+          libgtest-dev libbenchmark-dev python3-numpy python3-scipy python3-matplotlib python3-pil python3-pytest
           python3-vtk9 patch xz-utils"
 [ "${1:-}" = tests ] && packages="$packages git clang-format black flake8 mypy"
 missing=""

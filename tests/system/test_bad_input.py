@@ -8,15 +8,25 @@ FIX, BOND = "fix          cem calcite mpm ", "fix          bond grains mpm/coupl
 PULLING = pull(1.0, 1e-6)
 ELASTIC = "elastic vti 60e9 40e9 0.25 0.2 18e9 axis radial"
 FREE = "velocity second set 0 0 0.1\nfix m grains nve/sphere\n"
-GOOD = pair(1e-4) + cement(2e-4, 1e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9") + PULLING + "run 10\n"
+FREED = FIX + f"cell 2e-4 {ELASTIC} damage tensor B0 1e5"
+GOOD = pair(1e-4) + cement(2e-4, 1e-9, axis="radial", damage="damage tensor B0 1e5 cutoff 0.9") + PULLING + "run 10\n"
 
 
 def with_damage(words):
-    return [("damage tensor B0 9.6e6 cutoff 0.9", words)]
+    return [("damage tensor B0 1e5 cutoff 0.9", words)]
 
 
 # name: (changes as (old, new), words that the message has to hold)
 CASES = {
+    "no coupling": ([(f"{BOND} kn auto kt auto\n", "")], ["fix mpm (id cem)", "no fix mpm/couple", "bonds nothing;", "define one", "'coupling none'"]),
+    "no coupling any more": ([("run 10\n", "run 10\nunfix bond\nrun 10\n")], ["fix mpm (id cem)", "bonds nothing any more", "define one"]),
+    "no coupling after a restart": (
+        [("run 10\n", f"run 10\nwrite_restart r\nclear\n{restarted('r')}timestep 1e-9\n{FIX} cell 2e-4 " f"{ELASTIC} damage tensor B0 1e5\nrun 10\n")],
+        ["no fix mpm/couple", "bonds nothing any more", "after read_restart too"],
+    ),
+    "a coupling where there is to be none": ([("axis radial", "axis radial coupling none")], ["fix mpm/couple (id bond)", "'coupling none'", "without that"]),
+    "British spelling": ([("axis radial", "axis radial regularisation none")], ["'regularisation'; did you mean 'regularization'?", "known here"]),
+    "a value that is similar": ([("axis radial", "axis radiall")], ["'axis radiall'", "did you mean 'radial'?"]),
     # options of the commands
     "fix mpm: unknown keyword": ([("axis radial", "axes radial")], ["fix mpm (id cem)", "axes", "known here", "axis"]),
     "fix mpm: unknown keyword of damage": (with_damage("damage tensor B0 9.6e3 cutof 0.9"), ["fix mpm (id cem)", "cutof", "cutoff"]),
@@ -111,8 +121,8 @@ CASES = {
     "kinetic share twice": ([("axis radial", "axis radial kinetic_share no kinetic_share 0.1")], ["fix mpm (id cem)", "kinetic_share", "twice"]),
     "quasistatic damping with updated": ([("axis radial", "axis radial quasistatic 10 0.5 kinematics updated")], ["quasistatic", "total"]),
     "quasistatic damping without coupling": (
-        [("axis radial", "axis radial quasistatic 10 0.5"), ("fix          bond grains mpm/couple cem kn auto kt auto\n", "")],
-        ["quasistatic", "mpm/couple"],
+        [("axis radial", "axis radial quasistatic 10 0.5 coupling none"), ("fix          bond grains mpm/couple cem kn auto kt auto\n", "")],
+        ["'quasistatic 10 0.5'", "'coupling none'", "it damps motion relative to the grains"],
     ),
     "check/timestep/mpm: no such fix": (
         [("run 10\n", "fix ts all check/timestep/mpm 5 cement 0.9\nrun 10\n")],
@@ -122,13 +132,13 @@ CASES = {
     # material
     "elastic: not positive definite": ([("0.25 0.2 18", "0.25 0.9 18")], ["fix mpm (id cem)", "elastic", "0.9", "positive definite"]),
     "elastic: negative modulus": ([("vti 60000000000", "vti -60e9")], ["fix mpm (id cem)", "elastic", "-6e+10", "positive"]),
-    "B0 negative": (with_damage("damage tensor B0 -9.6e6"), ["fix mpm (id cem)", "B0", "-9.6e+06", "greater than 0"]),
+    "B0 negative": (with_damage("damage tensor B0 -1e5"), ["fix mpm (id cem)", "B0", "-100000", "greater than 0"]),
     "B0 zero": (with_damage("damage tensor B0 0"), ["fix mpm (id cem)", "B0 0", "greater than 0"]),
     **{
-        f"cutoff {c}": (with_damage(f"damage tensor B0 9.6e6 cutoff {c}"), ["fix mpm (id cem)", f"cutoff {c}'", "between 0 and 1"])
+        f"cutoff {c}": (with_damage(f"damage tensor B0 1e5 cutoff {c}"), ["fix mpm (id cem)", f"cutoff {c}'", "between 0 and 1"])
         for c in ("0", "1", "1.5", "-1")
     },
-    "zeta": (with_damage("damage tensor B0 9.6e6 zeta 0"), ["fix mpm (id cem)", "zeta 0'", "(0, 1]"]),
+    "zeta": (with_damage("damage tensor B0 1e5 zeta 0"), ["fix mpm (id cem)", "zeta 0'", "(0, 1]"]),
     "mazars with no strength that is a number": (
         with_damage("damage mazars kappa0 1e300 At 0.9 Bt 1e4"),
         ["fix mpm (id cem)", "'damage mazars'", "kappa0 1e+300", "must be finite"],
@@ -162,7 +172,7 @@ CASES = {
         )
     },
     "no such shape": ([("shape flat", "shape disc")], ["create_cement", "disc", "one of", "flat"]),
-    "too much cement": ([("inner 1e-3 outer 2e-3", "content 5")], ["create_cement", "does not fit", "reduce the content"]),
+    "too much cement": ([("inner 1e-3 outer 2e-3", "content 5")], ["create_cement", "'content 5' must lie between 0 and 0.2", "(5 % is 'content 0.05')"]),
     "cement wider than the grain": ([("outer 2e-3", "outer 6e-3")], ["create_cement", "0.006", "0.005", "outer radius"]),
     "spacing far too fine": ([("spacing 0.0001", "spacing 1e-9")], ["create_cement", "1e-09", "memory", "spacing of at least"]),
     "spacing too fine for the memory": ([("spacing 0.0001", "spacing 2e-7")], ["create_cement", "2e-07", "points", "memory", "spacing of at least"]),
@@ -345,11 +355,15 @@ CASES = {
         ["time step 1e-07", "damping of 'quasistatic 100 0.2'", "from 4.6", "to 1.4", "free grain", "use 'quasistatic 100 0.0013"],
     ),
     # the coupling of the steps before
-    "coupling taken away for a time": (
-        [("run 10\n", f"run 10\nunfix bond\nrun 10\n{BOND}\nrun 10\n")],
+    "coupling that comes late": (
+        [
+            (
+                "run 10\n",
+                f"unfix bond\nunfix cem\n{FREED} coupling none\nrun 10\nwrite_restart r\nclear\n{restarted('r')}timestep 1e-9\n{FREED}\n{BOND}\nrun 10\n",
+            )
+        ],
         ["fix mpm/couple (id bond)", "'cem' made steps without", "keep one"],
     ),
-    "coupling that comes late": ([("run 10\n", f"unfix bond\nrun 10\n{BOND}\nrun 10\n")], ["fix mpm/couple (id bond)", "made steps without"]),
     "kn changed": (
         [("run 10\n", f"run 10\nunfix bond\n{BOND} kn 1e11\nrun 10\n")],
         ["fix mpm/couple (id bond)", "5e+14", "4.7619e+16 in the steps before", "use 'kn 9.52381e+12 kt 9.52381e+12'"],
@@ -497,26 +511,20 @@ def warnings(result):
 
 # name: (changes, words that the warning has to hold)
 WARN = {
-    "no coupling": ([(f"{BOND} kn auto kt auto\n", "")], ["fix mpm (id cem)", "no fix mpm/couple", "bonds nothing;", "define one"]),
-    "no coupling any more": ([("run 10\n", "run 10\nunfix bond\nrun 10\nrun 10\n")], ["fix mpm (id cem)", "bonds nothing any more", "define one"]),
-    "no coupling after a restart": (
-        [("run 10\n", f"run 10\nwrite_restart r\nclear\n{restarted('r')}timestep 1e-9\n{FIX} cell 2e-4 " f"{ELASTIC} damage tensor B0 9.6e6\nrun 10\n")],
-        ["no fix mpm/couple", "bonds nothing any more", "after read_restart too"],
-    ),
     "much added mass": (
         [("kn auto", "kn 1e17"), ("timestep     1e-09", "timestep     1e-8")],
         ["fix mpm (id cem)", "links need", "mass of all grains", "'kn auto'", "'length cell'"],
     ),
     "length beyond the bond": (
-        with_damage("damage tensor B0 9.6e6 cutoff 0.9 regularization nonlocal 0.01"),
+        with_damage("damage tensor B0 1e5 cutoff 0.9 regularization nonlocal 0.01"),
         ["fix mpm (id cem)", "nonlocal 0.01'", "width of the widest bond, 0.003", "units of the box"],
     ),
     "a band wider than the bond": (
-        with_damage("damage tensor B0 9.6e6 cutoff 0.9 regularization nonlocal 6e-4"),
+        with_damage("damage tensor B0 1e5 cutoff 0.9 regularization nonlocal 6e-4"),
         ["fix mpm (id cem)", "nonlocal 0.0006'", "1 of 1 bonds are thinner, the thinnest 0.0008", "counts as debonding", "a length of"],
     ),
     "steps of very different length": (
-        [(PULLING, FREE), ("run 10\n", "run 100\ntimestep 2e-8\nrun 20\n")],
+        [(PULLING, FREE.replace("0.1", "0.02")), ("run 10\n", "run 100\ntimestep 2e-8\nrun 20\n")],
         ["fix mpm (id cem)", "energy of the cement was made", "of the largest work or energy at step 120", "use one 'timestep'"],
     ),
     "steps of a grain that are limited": (
@@ -528,7 +536,10 @@ WARN = {
         ["fix mpm (id cem)", "energy of the cement was made", "fix 'm' (nve/limit)", "use 'fix nve/sphere'"],
     ),
     "wide cell": ([("cell 0.0002", "cell 0.00041")], ["'cell 0.00041'", "4.1 spacings", "two spacings"]),
-    "moduli in GPa": ([("vti 60000000000 40000000000 0.25 0.2 18000000000", "vti 60 40 0.25 0.2 18")], ["fix mpm (id cem)", "strain of 18", "Pa, not GPa"]),
+    "a threshold as a strength": (
+        with_damage("damage tensor B0 20e6"),
+        ["fix mpm (id cem)", "tensile strength of the cement is 1.06", "Pa", "not a strength", "'units si'"],
+    ),
     "damping that costs half the step": (
         [
             ("diameter 0.01 density 2500", "diameter 0.01 density 25"),
@@ -545,6 +556,40 @@ def test_warning(tmp_path, name):
     result, needed = run_changed(WARN[name], tmp_path)
     assert result.status == 0 and not result.errors(), result.output[-1500:]
     expect_one(warnings(result), needed, result)
+
+
+GPA = ("vti 60000000000 40000000000 0.25 0.2 18000000000", "vti 60 40 0.25 0.2 18")
+# name: (changes, words of each warning)
+UNITS = {
+    "moduli in GPa": ([GPA], [["compressional waves", "m/s; solids like cement have 500 to 10000", "'elastic' (Pa)"], ["strain of 1", "Pa, not GPa"]]),
+    "all in GPa": ([GPA, ("B0 1e5", "B0 1e-5")], [["compressional waves"], ["tensile strength", "1000 to 1e+08"]]),
+    "density in g/cm3": ([("spacing 0.0001", "spacing 0.0001 density 2.71")], [["density of the cement is 2.71 kg/m3"], ["compressional waves"]]),
+}
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_warnings_of_units(tmp_path, name):
+    """They come before a message that the step is too long, which such numbers often bring about."""
+    changes, needed = UNITS[name]
+    script = GOOD
+    for old, new in changes:
+        script = edit(script, old, new)
+    output = launch(script, tmp_path, 2).output
+    found = [line for line in warnings(launch(script, tmp_path, 2)) if "check the units" in line or "strain of" in line]
+    assert len(found) == len(needed) and all(word in line for line, words in zip(found, needed) for word in words), output[-2000:]
+
+
+def test_a_warning_is_given_once(tmp_path):
+    """Each run and each write_restart checks again."""
+    script = edit(GOOD, "cell 0.0002", "cell 0.00041") + "run 1\nwrite_restart r\nrun 1\n"
+    result = launch(script, tmp_path)
+    assert result.status == 0 and len(warnings(result)) == 1, result.output[-2000:]
+
+
+def test_lines_that_a_message_shows_can_be_copied(tmp_path):
+    result = launch(edit(GOOD, "neigh_modify include grains delay 0", "neigh_modify delay 0"), tmp_path)
+    shown = [line.strip() for line in result.output.split("ERROR")[1].splitlines() if line.strip().startswith("neigh_modify")]
+    assert shown == ["neigh_modify include grains"]
 
 
 def test_accelerations_that_are_not_found(tmp_path):
@@ -576,9 +621,9 @@ def test_other_cement_after_a_restart(tmp_path, old, new, needed):
     expect_one(result.errors(), ["fix mpm (id cem)", "restart file was written with", needed, "use that"], result)
 
 
-DAMAGED = "damage tensor B0 9.6e6 cutoff 0.9"
+DAMAGED = "damage tensor B0 1e5 cutoff 0.9"
 OTHER_DAMAGE = [
-    (DAMAGED, ["'B0' 9.6e+06, was 9600", "'regularization nonlocal' 0, was 0.0004", "'energy' 0, was 20", "'imperfection' 0, was 0.002"]),
+    (DAMAGED, ["'B0' 100000, was 9600", "'regularization nonlocal' 0, was 0.0004", "'energy' 0, was 20", "'imperfection' 0, was 0.002"]),
     ("damage tensor B0 9.6e3 zeta 0.5 regularization nonlocal 4e-4 energy 20", ["'zeta' 0.5, was 1"]),
     ("damage mazars kappa0 1e-4 At 1 Bt 1e4", ["'damage mazars', was 'damage tensor'"]),
     ("damage tensor B0 9600.001 regularization nonlocal 4e-4 energy 20", None),
@@ -593,7 +638,7 @@ def test_other_damage_after_a_restart(tmp_path, words, needed):
         restarted("r")
         + f"timestep 1e-9\n{FIX} cell 2e-4 {ELASTIC} {words}{'' if 'nonlocal' in words else ' cracks split'}\n{BOND}\nfix m grains nve/sphere\nrun 1\nrun 1\n"
     )
-    launch(edit(GOOD, "axis radial damage tensor B0 9.6e6 cutoff 0.9", before[before.index("axis") :]) + "write_restart r\n", tmp_path)
+    launch(edit(GOOD, "axis radial damage tensor B0 1e5 cutoff 0.9", before[before.index("axis") :]) + "write_restart r\n", tmp_path)
     result = launch(again, tmp_path, 2)
     found = [line for line in warnings(result) if "other words than in the steps before" in line]
     if needed is None:

@@ -216,7 +216,7 @@ def test_added_mass(tmp_path, figures):
         script = shorter(edit(SCRIPT, "dt     index 1e-7", f"dt     index {dt}"), 0)
         for ranks in (1, 2):
             output = run(script, start_in(tmp_path), ranks).output
-            found = re.findall(r"links +add to the nodes (\S+) of mass, (\S+) of the cement's; those of one free grain up to (\S+) of its", output)
+            found = re.findall(r"links +added mass (\S+), (\S+) of the mass of the cement; up to (\S+) of the mass of a free grain", output)
             assert len(found) == 1, output
             assert said.setdefault(dt, found[0]) == found[0]
         script = edit(
@@ -225,7 +225,7 @@ def test_added_mass(tmp_path, figures):
             "motion free move linear 0 0 0",
         )
         output = run(script, start_in(tmp_path)).output
-        held.append(float(re.findall(r"links +add to the nodes (\S+) of mass, \S+ of the cement's$", output, re.M)[0]))
+        held.append(float(re.findall(r"links +added mass (\S+), \S+ of the mass of the cement$", output, re.M)[0]))
         figures.note(f"rain, {dt} s: mass that links add, over that of the cement, and of a free grain over that of the grain", f"{said[dt][1]}, {said[dt][2]}")
     total, share, of_grain = (np.array([float(said[dt][n]) for dt in said]) for n in range(3))
     held, cement = np.array(held), total / share

@@ -112,7 +112,7 @@ def test_the_link_or_the_point(case, tmp_path, figures):
     assert f": {mode}, {t['f_bond[18]'][-1]:g} points failed, {t['f_bond[17]'][-1]:g} links debonded" in told
     share = t["f_bond[23]"][-1] + t["f_bond[24]"][-1]
     figures.note(
-        f"{case}: share of the separating surface at a grain, links that debonded, points that failed", [share, t["f_bond[17]"][-1], t["f_bond[18]"][-1]]
+        f"{case}: share of the fracture surface at a grain, links that debonded, points that failed", [share, t["f_bond[17]"][-1], t["f_bond[18]"][-1]]
     )
     assert least <= share <= most
     by_link, by_point = ([r for r in listed if r[-1] == m] for m in ("debonding", "internal"))

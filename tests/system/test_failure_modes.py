@@ -155,8 +155,8 @@ def lines_of_modes(output):
 
 
 AHEAD = re.compile(
-    r"; (\S+) % of its weakest section is left \((\d+) of (\d+) points\), and a crack through that would be (\w+); of the "
-    r"separating surface (\S+) % at the first grain, (\S+) % at the second, (\S+) % inside$"
+    r"; (\S+) % of its weakest section is intact \((\d+) of (\d+) points\), and a crack through this ligament would be (\w+); of the "
+    r"fracture surface (\S+) % at the first grain, (\S+) % at the second, (\S+) % inside$"
 )
 SECTOR = np.deg2rad(12)
 

@@ -63,7 +63,7 @@ def test_ranks(words, tmp_path, figures):
     figures.below(f"{words}: imbalance of the energy", abs(one["f_cem[12]"])[loaded].max(), 0.002)
 
 
-# Limits are for the mean of the force, while the cement swings a little. Those without a limit are on the page of fix mpm.
+# Limits are for the mean of the force, while the cement swings a little. Those without a limit are in the theory.
 @pytest.mark.parametrize(
     "words, limit",
     [

@@ -80,7 +80,7 @@ def test_energy_beside_a_grain(tmp_path, figures, monkeypatch, cells_a_length, e
         ("nonlocal -1e-4", "regularization nonlocal"),
         ("nonlocal 2e-4 energy -1", "regularization nonlocal ... energy"),
         ("nonlocal 2e-4 energy 1", "must lie between"),
-        ("nonlocal 2e-4 energy 1e4", "or for this G_f the length between"),
+        ("nonlocal 2e-4 energy 1e4", "or for this energy the length between"),
         ("nonlocal 2e-4 imperfection -1e-3", "regularization nonlocal ... imperfection"),
         ("nonlocal 2e-4 imperfection 0.2", "by how much more strain one side of a bond carries"),
         ("nonlocal 2e-4 imperfecton 1e-3", "and after 'regularization nonlocal' energy, imperfection"),

@@ -99,12 +99,13 @@ def covering(rules, seed=1):
     for these in PAIRS:
         if these not in wanted:
             continue
-        whole = None if exclusion(dict(these), rules) else completed(dict(these), rules, wanted, dice)
+        first = dict(sorted(these))  # the order of a set differs from run to run, and the scenes with it
+        whole = None if exclusion(first, rules) else completed(first, rules, wanted, dice)
         if whole:
             scenes.append(whole)
             wanted -= {frozenset(p) for p in itertools.combinations(whole.items(), 2)}
         else:
-            refused.append(dict(these))
+            refused.append(first)
             wanted.discard(these)
     return scenes, refused
 

@@ -326,8 +326,8 @@ HOLDING = {"meniscus": 560, "meniscus, nearly apart": 620, "coating": 220, "coat
 def ahead(output):
     """Share and points of the weakest section that is left, of how many, mode of a crack through it, its shares."""
     found = re.findall(
-        r"bond 1 of grains 1 and 2: intact, .*; (\S+) % of its weakest section is left \((\d+) of (\d+) points\), and a crack "
-        r"through that would be (\w+); of the separating surface (\S+) % at the first grain, (\S+) % at the second, (\S+) %",
+        r"bond 1 of grains 1 and 2: intact, .*; (\S+) % of its weakest section is intact \((\d+) of (\d+) points\), and a crack "
+        r"through this ligament would be (\w+); of the fracture surface (\S+) % at the first grain, (\S+) % at the second, (\S+) %",
         output,
     )
     return list(found[-1])

@@ -55,12 +55,6 @@ def files():
     return [name for name in names if name.endswith(READ) and name not in LEFT_OUT and (ROOT / name).is_file()]
 
 
-def read(name):
-    """The text of a file. Tables that a script writes from what was measured tell of the program as it was."""
-    text = (ROOT / name).read_text()
-    return re.sub(r"(?m)^\|.*$", "", text) if name == "doc/reliability.md" else text
-
-
 def wrong_words(text):
     """Number of the line, what is wrong, and what to say."""
     return [
@@ -74,7 +68,12 @@ def wrong_words(text):
 def test_the_words_are_those_of_the_glossary():
     names = files()
     assert len(names) > 300
-    found = [f"{name}:{number}: '{what}'; {instead}" for name in names for number, what, instead in wrong_words(read(name)) if what not in KEPT.get(name, ())]
+    found = [
+        f"{name}:{number}: '{what}'; {instead}"
+        for name in names
+        for number, what, instead in wrong_words((ROOT / name).read_text())
+        if what not in KEPT.get(name, ())
+    ]
     assert not found, f"{len(found)} in all\n" + "\n".join(found[:60])
 
 

@@ -22,7 +22,7 @@ RADIUS = 500 * LENGTH  # the ends are flat within 1e-4 of a cell
 
 
 def work(m):
-    """W(m): work of a unit volume to failure over sqrt2 B0 (Bazant and Oh's band, see fix_mpm.md)."""
+    """W(m): work of a unit volume to failure over sqrt2 B0 (Bazant and Oh's band, see theory.md)."""
     keep = 1 - DCUT
     spent = -math.log(keep) if m == 1 else (1 - keep ** (1 - m)) / (1 - m)
     return spent + keep ** (1 - m) / 2

@@ -83,7 +83,7 @@ def dimension(log):
 def ahead(log):
     """Of a bond that is intact at the end: share of its weakest section that is left, and the mode of a crack through that."""
     last = re.findall(r"^fix mpm .*: bond 1 of grains 1 and 2: intact, .*", log, re.M)[-1:]
-    found = re.search(r"; (\S+) % of its weakest section is left .*, and a crack through that would be (\w+)", last[0]) if last else None
+    found = re.search(r"; (\S+) % of its weakest section is intact .*, and a crack through this ligament would be (\w+)", last[0]) if last else None
     return (0.01 * float(found[1]), found[2]) if found else ("", "")
 
 

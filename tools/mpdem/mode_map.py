@@ -67,7 +67,7 @@ def figure(rows):
     bottom, right = (0.5 if columns > 1 else 1.0) / fig.get_figheight(), 1.0 - 0.72 / fig.get_figwidth()  # for the legend, and the bar of colours
     fig.tight_layout(rect=(0, bottom, right, 1))
     colours = fig.colorbar(marks, cax=fig.add_axes((right + 0.015, bottom + 0.12, 0.11 / fig.get_figwidth(), 0.7 - bottom)))
-    colours.set_label("share of the separating surface at a bead")
+    colours.set_label("share of the fracture surface at a bead")
     handles = [Line2D([], [], color="0.3", marker=m, ls="", ms=5, label=text) for text, m in MODES.values()]
     handles.append(Line2D([], [], color=HAM_COLOUR, lw=3, alpha=0.7, label="mode seen by Ham et al. (2022)"))
     if len(energies) > 1:

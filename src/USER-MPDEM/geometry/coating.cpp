@@ -64,9 +64,8 @@ double Coating::thickness_for_volume(const GrainPair& pair, double volume, doubl
   if (!(volume > 0.0 && volume >= least && volume <= volume_of(most))) {
     std::ostringstream why;
     why << "a coating of volume " << volume << " does not fit: on these grains and outside the inner radius " << inner
-        << " it holds at least " << least << " and at most " << volume_of(most)
-        << "; use a content between them, a wider cap for more, or a narrower one for less";
-    throw ShapeError(why.str());
+        << " it holds at least " << least << " and at most " << volume_of(most) << "; more fits with a wider cap, less with a narrower one";
+    throw VolumeError(why.str(), least, volume_of(most));
   }
   return bisect_rising([&](double t) { return volume_of(t) - volume; }, 0.0, most);
 }

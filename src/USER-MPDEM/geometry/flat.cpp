@@ -32,8 +32,8 @@ double Flat::outer_for_volume(const GrainPair& pair, double volume, double inner
   if (!(volume > 0.0) || f(largest) < 0.0) {
     std::ostringstream why;
     why << "a flat bond of volume " << volume << " does not fit: between these grains it holds more than 0 and at most "
-        << pair.volume_within(largest) - base << "; reduce the content";
-    throw ShapeError(why.str());
+        << pair.volume_within(largest) - base;
+    throw VolumeError(why.str(), 0.0, pair.volume_within(largest) - base);
   }
   return bisect_rising(f, inner, largest);
 }

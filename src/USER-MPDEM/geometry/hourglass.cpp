@@ -85,11 +85,13 @@ double Hourglass::outer_for_volume(const GrainPair& pair, double volume, double 
   }
   std::ostringstream why;
   if (!(waist > 0.0 && waist <= 1.0)) why << trouble_with_waist(waist);
-  else if (from < 0.0) why << "no hourglass of waist " << waist << " leaves the grains; use a waist nearer to 1";
-  else if (!(volume > 0.0 && volume >= volume_of(from) && volume <= volume_of(to)))
-    why << "an hourglass of volume " << volume << " and waist " << waist << " does not fit: between these grains it holds at least "
-        << std::max(volume_of(from), 0.0) << " and at most " << volume_of(to) << "; change the content, or use a waist nearer to 1";
+  else if (from < 0.0) why << "an hourglass of waist " << waist << " cuts into these grains with any outer radius; use a waist nearer to 1";
   if (!why.str().empty()) throw ShapeError(why.str());
+  if (!(volume > 0.0 && volume >= volume_of(from) && volume <= volume_of(to))) {
+    why << "an hourglass of volume " << volume << " and waist " << waist << " does not fit: between these grains it holds at least "
+        << std::max(volume_of(from), 0.0) << " and at most " << volume_of(to) << "; more fits with a waist nearer to 1";
+    throw VolumeError(why.str(), std::max(volume_of(from), 0.0), volume_of(to));
+  }
   return bisect_rising([&](double a) { return volume_of(a) - volume; }, from, to);
 }
 

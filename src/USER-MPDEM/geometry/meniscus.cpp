@@ -87,6 +87,7 @@ double filling_for(const GrainPair& pair, double value, double contact_angle, do
     else
       why << "a meniscus of " << name << " " << value << " does not fit: between these grains and outside the inner radius " << inner
           << " it has at least " << least << " and at most " << most << "; use a value between them, or another inner radius";
+    if (name == std::string("volume")) throw VolumeError(why.str(), least, most);
     throw ShapeError(why.str());
   }
   return bisect_rising([&](double b) { return measure_of(b) - value; }, 0.0, limit);

@@ -58,6 +58,12 @@ struct ShapeError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Thrown for a volume that gives no solid. least, most: volumes that do, least < most.
+struct VolumeError : ShapeError {
+  VolumeError(const std::string& text, double least, double most) : ShapeError(text), least(least), most(most) {}
+  double least, most;
+};
+
 class Shape {
  public:
   // inner: radius about the line of centres within which there is no cement between the two centres. The contact radius

@@ -52,15 +52,21 @@ extern "C" int MPI_Abort(MPI_Comm comm, int code) {
 
 namespace LAMMPS_NS {
 
+namespace {
+// LIGGGHTS adds the line of its source to a message. Messages of the package have line 0 and end with the cure, which
+// may be a line to copy into a script.
+std::string place(const char* file, int line) { return line > 0 ? std::string(" (") + file + ":" + std::to_string(line) + ")" : ""; }
+}  // namespace
+
 void Error::one(const char* file, int line, const char* text) {
   int me;
   MPI_Comm_rank(world, &me);
   // With `-screen file` only the first rank has a screen, and with `-screen none` no rank has one.
-  std::fprintf(screen ? screen : stderr, "ERROR on proc %d: %s (%s:%d)\n", me, text, file, line);
-  if (universe->nworlds > 1 && universe->uscreen)
-    std::fprintf(universe->uscreen, "ERROR on proc %d: %s (%s:%d)\n", universe->me, text, file, line);
+  const std::string message = text + place(file, line);
+  std::fprintf(screen ? screen : stderr, "ERROR on proc %d: %s\n", me, message.c_str());
+  if (universe->nworlds > 1 && universe->uscreen) std::fprintf(universe->uscreen, "ERROR on proc %d: %s\n", universe->me, message.c_str());
   std::FILE* log = logfile ? logfile : mpdem::log_name.empty() ? nullptr : std::fopen(mpdem::log_name.c_str(), "a");
-  if (log) std::fprintf(log, "ERROR on proc %d: %s (%s:%d)\n", me, text, file, line);
+  if (log) std::fprintf(log, "ERROR on proc %d: %s\n", me, message.c_str());
   MPI_Abort(world, 1);
 }
 
@@ -71,7 +77,7 @@ void Error::all(const char* file, int line, const char* text) {
   MPI_Comm_rank(world, &me);
   if (me == 0)
     for (std::FILE* f : {screen, logfile})
-      if (f) std::fprintf(f, "ERROR: %s (%s:%d)\n", text, file, line);
+      if (f) std::fprintf(f, "ERROR: %s%s\n", text, place(file, line).c_str());
   std::fflush(nullptr);
   delete output;
   if (screen && screen != stdout) std::fclose(screen);

@@ -68,7 +68,7 @@ double crack_band_exponent(const DamageParameters& p, double G_f, double band) {
   const double energy = std::sqrt(2.0) * p.B0;
   double least, most, m = 0.0;
   if (!find_exponent([&](double x) { return band_work(x, p.Dcut); }, G_f / (energy * band), least, most, m)) {
-    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a band of width ", band,
+    throw std::domain_error(text_of("the fracture energy ", G_f, " cannot be spent on a band of width ", band,
                                     ": with this B0 and cut-off the width must lie between ", G_f / (energy * most), " and ",
                                     G_f / (energy * least)));
   }
@@ -84,9 +84,9 @@ double crack_cell_exponent(const DamageParameters& p, double G_f, double cell) {
     return localisation_cells(q) * band_work(x, p.Dcut);
   };
   if (!find_exponent(work, G_f / (energy * cell), least, most, m)) {
-    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a crack in cells of ", cell,
+    throw std::domain_error(text_of("the fracture energy ", G_f, " cannot be spent on a crack in cells of ", cell,
                                     ": with this B0 and cut-off it must lie between ", energy * cell * least, " and ", energy * cell * most,
-                                    ", or for this G_f the cell between ", G_f / (energy * most), " and ", G_f / (energy * least)));
+                                    ", or for this energy the cell between ", G_f / (energy * most), " and ", G_f / (energy * least)));
   }
   return m;
 }
@@ -113,9 +113,9 @@ double nonlocal_exponent(const DamageParameters& p, double G_f, double length) {
   const double wanted = std::log(G_f / unit);
   double lo = kLeast, hi = kMost, at_lo = log_energy(lo), at_hi = log_energy(hi);
   if (!(wanted >= at_lo && wanted <= at_hi)) {
-    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a crack with the length ", length,
+    throw std::domain_error(text_of("the fracture energy ", G_f, " cannot be spent on a crack with the length ", length,
                                     ": with this B0 and cut-off it must lie between ", unit * std::exp(at_lo), " and ",
-                                    unit * std::exp(at_hi), ", or for this G_f the length between ", length * std::exp(wanted - at_hi),
+                                    unit * std::exp(at_hi), ", or for this energy the length between ", length * std::exp(wanted - at_hi),
                                     " and ", length * std::exp(wanted - at_lo)));
   }
   // The logarithm is nearly a straight line, so this uses secants, with a bisection every third time.

@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Text form of a point: a row of the file that write_cement writes and `create_cement ... file` reads. The columns and
-// their order are documented in doc/write_cement.md and doc/create_cement.md. Positions are present ones in the box.
+// their order are documented in doc/write_cement.md and doc/point_files.md. Positions are present ones in the box.
 #ifndef MPDEM_MPM_POINT_ROW_H
 #define MPDEM_MPM_POINT_ROW_H
 

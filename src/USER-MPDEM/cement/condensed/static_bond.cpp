@@ -22,7 +22,7 @@ using Motion = double[2][6];  // motions of both grains, about their centres
 // quarter of the steps reduced the energy by less than kDecline times it. The error of the fields is the root of that.
 // Nodes beside failed points have almost no stiffness and converge slowly, but hardly change the energy, so the limit
 // is larger with them.
-constexpr double kResidual = 1e-16, kDecline = 1e-14, kDeclineOfCracked = 1e-6;
+constexpr double kResidual = 1e-18, kDecline = 1e-16, kDeclineOfCracked = 1e-6;
 constexpr int kLeastSteps = 40;
 
 // Shift of the operator of static_displacement(): this share of the largest nodal ratio of stiffness to mass, times the

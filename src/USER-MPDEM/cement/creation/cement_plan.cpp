@@ -212,7 +212,15 @@ const Shape& CementPlan::shape_of(int kind) {
   for (const ShapeWords& w : wish_.shapes) {
     const auto content = w.given.find("content");
     const double volume = content == w.given.end() ? 0.0 : content->second * grain_mass / wish_.density;
-    made.push_back(make_shape(w, bond.pair, volume, inner));
+    try {
+      made.push_back(make_shape(w, bond.pair, volume, inner));
+    } catch (const VolumeError& e) {
+      const double to_content = wish_.density / grain_mass, asked = content->second;
+      const bool per_cent = 0.01 * asked >= e.least * to_content && 0.01 * asked <= e.most * to_content;
+      throw ShapeError(text_of("'content ", asked, "' must lie between ", e.least * to_content, " and ", e.most * to_content,
+                               " here: it is the mass of the cement over that of its two grains",
+                               per_cent ? text_of(" (", asked, " % is 'content ", 0.01 * asked, "')") : "", "; ", e.what()));
+    }
   }
   std::unique_ptr<Shape> shape;
   if (made.size() == 1) shape = std::move(made.front());

@@ -76,7 +76,7 @@ std::vector<BondColumn> columns() {
       {"mean_damage", "its mean over the volume", &BondState::mean_damage},
       {"peak_tension", "largest tension of all steps so far", &BondState::peak},
       {"separated", "1 once separated, else 0", &BondState::separated},
-      {"share_grain1", "share of the separating surface at the first grain", share<0>},
+      {"share_grain1", "share of the fracture surface at the first grain", share<0>},
       {"share_grain2", "share of it at the second grain", share<1>},
       {"elastic_energy", "elastic energy of all bonds", &CementTotals::elastic},
       {"kinetic_energy", "kinetic energy of all bonds", &CementTotals::kinetic},

@@ -118,15 +118,7 @@ bool StableStep::bound_alone() const { return scene_.formulation->lasting_eigenv
 // have patches of their own bonds alone, so an eigenvalue that is to be kept is found from whole bonds, and does not
 // depend on the number of ranks.
 EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Look look) const {
-  std::vector<EigenvalueSystem> systems;
-  for (int row : rows)
-    if (const Bond* b = scene_.bonds().find(row)) {
-      systems.push_back({&b->points, &b->grid, scene_.options.unilateral});
-      const auto patch = patches ? patches->find(row) : Patches::const_iterator();
-      if (patches && patch != patches->end()) systems.back().blocks = &patch->second;
-    }
-  if (look != Look::after_change)
-    condensed_.for_each_template([&](const Bond& b) { systems.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
+  std::vector<EigenvalueSystem> systems = systems_of(rows, patches, look != Look::after_change);
   for (double tolerance : {0.05, 0.01, kEigenvalueTolerance}) {
     if (look == Look::precise || known_ == 0.0) break;
     if (tolerance == kEigenvalueTolerance)
@@ -136,6 +128,25 @@ EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const
     if (e.most <= kGrowth * known_ && scene_.now.dt <= step_for(e.most, scene_.options.relax)) return e;
   }
   return largest_eigenvalue(scene_.comm, systems, *scene_.law, kPreciseEigenvalue);
+}
+
+std::vector<EigenvalueSystem> StableStep::systems_of(const std::vector<int>& rows, const Patches* patches, bool with_templates) const {
+  std::vector<EigenvalueSystem> systems;
+  for (int row : rows)
+    if (const Bond* b = scene_.bonds().find(row)) {
+      systems.push_back({&b->points, &b->grid, scene_.options.unilateral});
+      const auto patch = patches ? patches->find(row) : Patches::const_iterator();
+      if (patches && patch != patches->end()) systems.back().blocks = &patch->second;
+    }
+  if (with_templates)
+    condensed_.for_each_template([&](const Bond& b) { systems.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
+  return systems;
+}
+
+double StableStep::estimate() const {
+  constexpr double kTolerance = 0.02;
+  const EigenvalueEstimate e = largest_eigenvalue(scene_.comm, systems_of(scene_.all_rows(), nullptr, true), *scene_.law, kTolerance);
+  return step_for(e.value + e.residual, scene_.options.relax);
 }
 
 double StableStep::find() {

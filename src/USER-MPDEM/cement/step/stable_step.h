@@ -30,6 +30,8 @@ class StableStep {
   // True with `updated` kinematics: points move within the cells, so only the bound is valid for later steps. The
   // functions above and below return the bound then.
   bool bound_alone() const;
+  // Largest stable step of the present state within some per cent and below the true one, for messages. Changes nothing.
+  double estimate() const;
   // Largest stable step for a known eigenvalue, with the share `relax` of critical damping. The stiffness of films
   // between the grains is included. Throws BadState if no step is stable.
   double step_for(double eigenvalue, double relax) const;
@@ -67,6 +69,7 @@ class StableStep {
   bool check_after(const std::vector<int>& rows, const char* event, const Patches* patches = nullptr);
 
  private:
+  std::vector<EigenvalueSystem> systems_of(const std::vector<int>& rows, const Patches* patches, bool with_templates) const;
   // at_start and after_change may be coarse. after_change: these bonds alone, during a run.
   enum class Look { precise, at_start, after_change };
   EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Look look) const;

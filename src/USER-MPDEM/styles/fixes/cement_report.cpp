@@ -13,6 +13,7 @@
 #include "../words/arguments.h"
 #include "atom.h"
 #include "../guards/cement_checks.h"
+#include "../guards/unit_checks.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
@@ -32,7 +33,7 @@ constexpr double kRoundingOfSteps = 1.0 + 1e-9;
 std::string shares_of(const FractureSurface& s) {
   const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
   if (all <= 0.0) return "";
-  return text_of("; of the separating surface ", 100.0 * s.at_grain[0] / all, " % at the first grain, ", 100.0 * s.at_grain[1] / all,
+  return text_of("; of the fracture surface ", 100.0 * s.at_grain[0] / all, " % at the first grain, ", 100.0 * s.at_grain[1] / all,
                  " % at the second, ", 100.0 * s.inside / all, " % inside");
 }
 
@@ -108,6 +109,8 @@ void CementReport::parameters(Cement& c, bigint points) {
   stop_if_not_positive(c);
   const StableStep::DampedStep damped = c.stable_step().damped_step(c.stable_step().limiting_eigenvalue(c.dt()));
   const double limit = damped.step;
+  const bool exact = c.stable_step().eigenvalue_is_known(), bound = c.stable_step().bound_alone();
+  const double told = reported_ || exact || bound ? limit : c.stable_step().estimate();
   if (lmp_->comm->me == 0 && !reported_) {
     const VtiConstants& e = c.law().elasticity().constants;
     std::string text = text_of(who_, points, " material points, ", table.size(), " bonds, cell ", o.cell, "\n  elastic   Ep ", e.Ep,
@@ -125,7 +128,7 @@ void CementReport::parameters(Cement& c, bigint points) {
         o, text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n"));
     text +=
         text_of("  time step ", c.dt(), c.substeps() > 1 ? text_of(" of the cement, ", c.substeps(), " in one of ", lmp_->update->dt) : "",
-                ", stable up to ", limit, c.stable_step().eigenvalue_is_known() ? "" : " at least", "\n");
+                ", stable up to ", word_of(exact, "", bound ? "at least " : "about "), told, "\n");
     tell(lmp_, text);
     warn(c);
   }
@@ -197,9 +200,10 @@ void CementReport::damping(Cement& c) {
   if (!reported_ && damped.step < 0.5 * damped.undamped) mpdem::warn(lmp_, who_ + text);
 }
 
-// Warns of inconsistent numbers, such as moduli in GPa and strengths in Pa.
+// Warns of numbers that no cement has, and of averages that are wider than the bonds.
 void CementReport::warn(Cement& c) const {
   const Law& law = c.law();
+  for (const std::string& text : unlike_solids(law, c.density(), lmp_->update->unit_style)) mpdem::warn(lmp_, who_ + text);
   if (law.inert()) return;
   double wide = 0.0;  // diameter of a disc with the attached area
   for (const BondRecord& b : c.bonds().table)
@@ -221,9 +225,6 @@ void CementReport::warn(Cement& c) const {
                               thin, " of ", c.bonds().table.size(), " bonds are thinner, the thinnest ", thinnest,
                               ": all surface on which these separate counts as debonding; a length of ", length * thinnest / band,
                               " or less, with cells of that, would tell"));
-  const VtiConstants& e = law.elasticity().constants;
-  const double strain = law.implied_strength(std::min(e.Ez, e.Ep)).failure_strain;
-  if (strain > 1.0) mpdem::warn(lmp_, text_of(who_, "cement fails at a strain of ", strain, ", ", law.advice_on_strain()));
 }
 
 void CementReport::accelerations(Cement& c) {
@@ -257,8 +258,8 @@ void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
     if (g.any_free()) share = std::max(share, of_grain[g.tag] / g.mass);
   MPI_Allreduce(&share, &most, 1, MPI_DOUBLE, MPI_MAX, lmp_->world);
   if (lmp_->comm->me != 0) return;
-  std::string text = text_of("  links     add to the nodes ", all, " of mass, ", all / mass[1], " of the cement's");
-  if (most >= 0.0) text += text_of("; those of one free grain up to ", most, " of its mass");
+  std::string text = text_of("  links     added mass ", all, ", ", all / mass[1], " of the mass of the cement");
+  if (most >= 0.0) text += text_of("; up to ", most, " of the mass of a free grain");
   tell(lmp_, text + "\n");
   const double scene = mass[0] + mass[1];
   if (all > scene)
@@ -366,12 +367,12 @@ void CementReport::modes(Cement& c) {
     }
     const Cracks::LigamentReport& a = *of_next++;
     if (cracks.broken(b)) {
-      text += text_of(", and less than ", 100.0 * LoadHistory::kBrokenLoadRatio, " % of its largest load is left since step ",
-                      cracks[b].broken_at, " though ", a.left, " of ", a.whole, " points of its weakest section hold",
-                      shares_of(cracks[b].separation));
+      text +=
+          text_of(", and less than ", 100.0 * LoadHistory::kBrokenLoadRatio, " % of its peak load is left since step ", cracks[b].broken_at,
+                  " though ", a.left, " of ", a.whole, " points of its weakest section are intact", shares_of(cracks[b].separation));
     } else {
-      text += text_of("; ", a.whole > 0.0 ? 100.0 * a.left / a.whole : 0.0, " % of its weakest section is left (", a.left, " of ", a.whole,
-                      " points), and a crack through that would be ", Cracks::mode_of(a.surface), shares_of(a.surface));
+      text += text_of("; ", a.whole > 0.0 ? 100.0 * a.left / a.whole : 0.0, " % of its weakest section is intact (", a.left, " of ",
+                      a.whole, " points), and a crack through this ligament would be ", Cracks::mode_of(a.surface), shares_of(a.surface));
       shares_nodes = shares_nodes || 2.0 * a.left < a.whole;
     }
     tell(lmp_, text + "\n");
@@ -379,9 +380,10 @@ void CementReport::modes(Cement& c) {
   const CementOptions& o = c.options();
   if (shares_nodes && !split_reported_ && !o.split && !o.reprojects()) {
     split_reported_ = true;
-    tell(lmp_, text_of(who_,
-                       "with 'cracks bonds' the sides of a crack pull on each other until the whole bond is in two; 'cracks split' of fix "
-                       "mpm separates them\n"));
+    tell(lmp_,
+         text_of(who_,
+                 "with 'cracks bonds' the faces of a crack share nodes and carry load until the bond is separated; with 'cracks split' "
+                 "of fix mpm they do not\n"));
   }
   if (lines == kMostLines) sum_of_modes(c, static_cast<int>(lines));
 }
@@ -399,8 +401,9 @@ void CementReport::sum_of_modes(const Cement& c, int lines) const {
     ++damaged;
   }
   if (damaged == lines) return;
-  std::string text = text_of(who_, "of ", bonds_->size(), " bonds points failed ", c.leaves_residue() ? "or links debonded " : "", "in ",
-                             damaged, ", the first ", lines, " of which are listed:");
+  std::string text =
+      text_of(who_, damaged, " of ", bonds_->size(), " bonds have points that failed", c.leaves_residue() ? " or links that debonded" : "",
+              ", ", lines, " are listed; failure modes of all ", damaged, ":");
   const char* comma = " ";
   for (const auto& mode : count) {
     text += text_of(comma, mode.second, " ", mode.first);

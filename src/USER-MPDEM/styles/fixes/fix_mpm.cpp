@@ -53,6 +53,7 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg)
   for (const std::string& note : words.notes) mpdem::tell(lmp, who() + note + "\n");
   step_ = std::make_unique<mpdem::AutoStep>(lmp, who(), words.step_fraction);
   words_ = words.said;
+  coupling_.need(words.needs_coupling);
   failures_.name(words.events);
   cement_ = std::make_unique<mpdem::Cement>(world, avec_->bonds, words.options, words.law, static_cast<mpdem::CementHost&>(*this));
   report_ = std::make_unique<mpdem::CementReport>(lmp, who());
@@ -151,17 +152,15 @@ void FixMpm::make_points(const std::vector<int>& rows) {
 }
 
 // Is there a fix mpm/couple? It registers in its own init, after this one's.
-bool FixMpm::coupling_follows() {
+bool FixMpm::coupling_follows() const {
   for (int i = 0; i < modify->nfix; ++i)
     if (std::string(modify->fix[i]->style) == "mpm/couple") return true;
-  refuse(who(), {{"no fix mpm/couple"}});
-  if (coupling_.warn_of_none())
-    mpdem::warn(lmp, text_of(who(), "there is no fix mpm/couple, so that the cement bonds nothing",
-                             coupling_.so_far().kind == mpdem::LinkSettings::kLinks
-                                 ? " any more, and cannot be bonded again once it has made a step so"
-                                 : "",
-                             "; define one before the run", cement_->restored() ? ", after read_restart too" : ""));
   return false;
+}
+
+void FixMpm::check_coupling() const {
+  const std::string trouble = cement_->penalty() ? "" : coupling_.trouble_without(cement_->restored());
+  if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
 }
 
 bool FixMpm::in_motion() const {
@@ -252,6 +251,7 @@ void FixMpm::setup_pre_neighbor() {
 
 void FixMpm::setup(int) {
   update->first_update = 1;
+  check_coupling();
   avec_->last_run.begin(*modify, avec_->bonds.table.size());
   hidden_.start(this);
   mpdem::exchange_last(modify, this);  // earlier fixes may delete or insert grains

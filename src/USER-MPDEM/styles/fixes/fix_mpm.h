@@ -115,7 +115,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void guarded(F f);
   std::string who() const;
   mpdem::StepInput step_input() const;
-  bool coupling_follows();
+  bool coupling_follows() const;
+  void check_coupling() const;  // stops if there is none and the script does not say so
   void set_time_step(const Fix* running);
   void write_point_atoms();
   void show_homes(bool for_run);

@@ -28,8 +28,7 @@ using namespace FixConst;
 
 namespace {
 
-// Penalty of `kn auto`. The bond is 1 % softer than a perfect one at ten cells across, at no cost in time step
-// (doc/fix_mpm_couple.md).
+// Penalty of `kn auto`, over the largest stiffness. Links of this stiffness hardly soften a bond (test_stiffness.py).
 constexpr double kAutoOverC33 = 200.0;
 // Stiffness of contact points is at most this over one cell. Links are stiffer, since the stiffness of the bond depends
 // on them. Contact should need little added mass, so that impacts dissipate little energy

@@ -34,16 +34,16 @@ void check_cell(LAMMPS* lmp, const std::string& who, const std::vector<BondRecor
                                   b.grain[0], " and ", b.grain[1], ", which would not hold together; use a cell of at least ", b.spacing,
                                   ", better two spacings, or create the cement with a smaller spacing"));
     if (cell > (kMostAcross + 0.5) * b.spacing * (1.0 - 1e-9))
-      stop_all(lmp,
-               who + text_of("'cell ", cell, "' is ", cell / b.spacing, " spacings of the cement between grains ", b.grain[0], " and ",
-                             b.grain[1], " wide, at most ", kMostAcross, " are allowed; use a cell of two spacings, ", 2.0 * b.spacing));
+      stop_all(lmp, who + text_of("'cell ", cell, "' is ", cell / b.spacing, " spacings of the cement between grains ", b.grain[0], " and ",
+                                  b.grain[1], " wide, at most ", kMostAcross + 0.5, " are allowed; use a cell of two spacings, ",
+                                  2.0 * b.spacing));
     widest = std::max(widest, b.spacing);
     finest = std::min(finest, b.spacing);
   }
   if (lmp->comm->me != 0) return;
   if (widest > 0.75 * cell)
     mpdem::warn(lmp, text_of("one point a cell: spacing ", widest, " with cell ", cell,
-                             " makes the cement far too soft; use a cell of at least two spacings"));
+                             " makes the cement some per cent too soft; use a cell of at least two spacings"));
   if (cell > kMostSpacings * finest * (1.0 + 1e-9))
     mpdem::warn(lmp,
                 text_of("'cell ", cell, "' is ", cell / finest, " spacings of ", finest, " wide. More than ", kMostSpacings,

@@ -18,6 +18,7 @@ std::string with_friction(double mu, const char* none) { return mu < 0.0 ? none 
 }  // namespace
 
 std::string CouplingHistory::take(const std::string& id, const std::string& cement, double cell, const PenaltyParameters& p) {
+  if (!needed_) return text_of("fix mpm (id ", cement, ") has 'coupling none'; use it without that, or this fix not at all");
   if (!id_.empty() && id != id_) return text_of("cement '", cement, "' is coupled by fix '", id_, "' already; unfix one of them");
   if (ran_.kind == LinkSettings::kNone)
     return text_of("cement '", cement,
@@ -46,6 +47,13 @@ std::string CouplingHistory::take(const std::string& id, const std::string& ceme
   }
   id_ = id;
   return "";
+}
+
+std::string CouplingHistory::trouble_without(bool restored) const {
+  if (!needed_) return "";
+  return text_of("there is no fix mpm/couple, so that the cement bonds nothing", ran_.kind == LinkSettings::kLinks ? " any more" : "",
+                 "; define one after this fix", restored ? ", after read_restart too" : "",
+                 ", or use 'coupling none' for cement without grains");
 }
 
 // Returns the options of the traction law of the earlier steps, as in a script.

@@ -21,8 +21,10 @@ class CouplingHistory {
   std::string take(const std::string& id, const std::string& cement, double cell, const PenaltyParameters& p);
   // Call it in the first step of a run.
   void remember(const PenaltyParameters* p);
-  // Returns true once, when the user should be warned of cement without a coupling.
-  bool warn_of_none() { return !warned_ && (warned_ = true); }
+  // needed: false with `coupling none`.
+  void need(bool needed) { needed_ = needed; }
+  // Returns why cement without a coupling must not run, or an empty text. restored: does it come from a restart file?
+  std::string trouble_without(bool restored) const;
 
   const LinkSettings& so_far() const { return ran_; }
   void restore(const LinkSettings& ran) { ran_ = ran; }
@@ -31,7 +33,7 @@ class CouplingHistory {
   std::string words_so_far() const;
   std::string id_;
   LinkSettings ran_;
-  bool warned_ = false;
+  bool needed_ = true;
 };
 
 }  // namespace mpdem

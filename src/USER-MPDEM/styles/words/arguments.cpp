@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <numeric>
+#include <set>
 
 #include "comm.h"
 
@@ -18,8 +20,10 @@ void tell(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
     if (f && lmp->comm->me == 0) std::fprintf(f, "%s", text.c_str());
 }
 
+// Checks are made at each run and each write_restart. One warning is enough.
 void warn(LAMMPS_NS::LAMMPS* lmp, const std::string& text, const char* style) {
-  if (lmp->comm->me == 0) lmp->error->warning(style, 0, text.c_str());
+  static std::set<std::string> given;
+  if (lmp->comm->me == 0 && given.insert(text).second) lmp->error->warning(style, 0, text.c_str());
 }
 
 void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
@@ -54,12 +58,41 @@ std::string Arguments::words_from(int first) const {
   return words;
 }
 
+namespace {
+// Number of letters to insert, delete or replace that make b of a (Levenshtein distance).
+int edits(const std::string& a, const std::string& b) {
+  std::vector<int> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    int diagonal = row[0];
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const int replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+// Returns a question that names the most similar word, or an empty text if none is similar.
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
+  const std::string* nearest = nullptr;
+  int fewest = 0;
+  for (const std::string& k : known) {
+    const int n = edits(word, k);
+    if (3 * n <= static_cast<int>(std::max(word.size(), k.size())) && (!nearest || n < fewest)) nearest = &k, fewest = n;
+  }
+  return nearest ? "; did you mean '" + *nearest + "'?" : "";
+}
+}  // namespace
+
 void Arguments::complain(const std::string& text) const { stop_all(lmp_, command_ + ": " + text); }
 
 void Arguments::unknown(const std::string& word, const std::vector<std::string>& known) const {
   std::string list;
   for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
-  complain("unknown keyword '" + word + "'; known here: " + list);
+  complain("unknown keyword '" + word + "'" + did_you_mean(word, known) + "; known here: " + list);
 }
 
 std::string Arguments::word(const std::string& what) {
@@ -119,7 +152,8 @@ std::string Arguments::keyword(const std::vector<std::string>& allowed) {
   std::string list;
   for (const std::string& a : allowed) list += (list.empty() ? "'" : " or '") + a + "'";
   const std::string w = word("keyword " + list);
-  if (std::find(allowed.begin(), allowed.end(), w) == allowed.end()) complain("'" + w + "' stands where " + list + " is needed");
+  if (std::find(allowed.begin(), allowed.end(), w) == allowed.end())
+    complain("'" + w + "' stands where " + list + " is needed" + did_you_mean(w, allowed));
   return w;
 }
 
@@ -129,7 +163,7 @@ int Arguments::index_of_choice(const std::string& keyword, const std::vector<std
   const std::string w = word("one of " + list + " for '" + keyword + "'");
   const auto found = std::find(allowed.begin(), allowed.end(), w);
   if (found != allowed.end()) return static_cast<int>(found - allowed.begin());
-  complain("'" + keyword + " " + w + "': must be one of " + list);
+  complain("'" + keyword + " " + w + "': must be one of " + list + did_you_mean(w, allowed));
 }
 
 }  // namespace mpdem

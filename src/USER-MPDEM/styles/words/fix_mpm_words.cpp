@@ -218,6 +218,8 @@ const std::vector<ScriptKeyword>& fix_mpm_keywords() {
       {"kinetic_share", "X or no", "0.003", take_kinetic_share},
       {"balance", "yes or no", "no",
        [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.balance = k.is(args, "yes"); }},
+      {"coupling", "grains or none", "grains",
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.needs_coupling = k.is(args, "grains"); }},
       {"skip", "undamaged, failed, resting or all, then yes or no", "all yes", take_skip, true},  // once for each thing to skip
       {"check", "N", "100",
        [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.check_every = args.integer(k.name, 1); }},
