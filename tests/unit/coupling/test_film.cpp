@@ -24,9 +24,10 @@ constexpr double kR = 5e-3, kInner = 1e-3, kOuter = 1.6e-3;
 
 VtiElasticity elastic() { return VtiElasticity({60e9, 40e9, 0.25, 0.2, 18e9}); }
 std::shared_ptr<const Law> undamaged() { return std::make_shared<NoDamage>(elastic(), LawValues()); }
-std::shared_ptr<const Law> brittle(double B0) {
+std::shared_ptr<const Law> brittle(double B0, double Dcut = 0.9) {
   DamageParameters p;
   p.B0 = B0;
+  p.Dcut = Dcut;
   return std::make_shared<TensorDamage>(elastic(), p);
 }
 
@@ -36,13 +37,13 @@ struct FilmOfPair {
   BondEnd ends[2];
   std::shared_ptr<const Law> law;
 
-  explicit FilmOfPair(std::shared_ptr<const Law> of_points = undamaged(), const Vector& along = Vector(0, 0, 1))
+  explicit FilmOfPair(std::shared_ptr<const Law> of_points = undamaged(), const Vector& along = Vector(0, 0, 1), double R2 = kR)
       : law(std::move(of_points)) {
-    const GrainPair pair{kR, kR, 0.0, along.normalized()};
+    const GrainPair pair{kR, R2, 0.0, along.normalized()};
     record.grain[0] = 1;
     record.grain[1] = 2;
     for (int s = 0; s < 2; ++s) {
-      record.radius[s] = kR;
+      record.radius[s] = pair.radius(s);
       for (int d = 0; d < 3; ++d) record.centre[s][d] = pair.centre(s)[d];
     }
     record.spacing = 2e-4;
@@ -100,6 +101,13 @@ struct FilmOfPair {
     film.advance(ends, *law, faces, 1e-8, AdvanceOptions(), result);
     return result;
   }
+  // Force on the second grain by the state as it is, without a step.
+  Vector force_now() {
+    for (BondEnd& s : ends)
+      for (int d = 0; d < 3; ++d) s.force[d] = s.torque[d] = 0.0;
+    film.add_force(ends, *law);
+    return Eigen::Map<const Vector>(ends[1].force);
+  }
   double energy() const {
     double sum = 0.0;
     with_law(*law, [&](const auto& l) {
@@ -111,6 +119,15 @@ struct FilmOfPair {
     return sum;
   }
 };
+
+CohesiveTraction cohesive(double tn, double Gn, double stiffness = 4e15) {
+  LawValues v;
+  v.set("tn", tn);
+  v.set("tt", 1.4 * tn);
+  v.set("Gn", Gn);
+  v.set("Gt", 2.0 * Gn);
+  return CohesiveTraction({stiffness, 0.7 * stiffness}, v);
+}
 
 const Matrix kTurned = Eigen::AngleAxisd(2.1, Vector(1, -2, 3).normalized()).toRotationMatrix();
 
@@ -236,7 +253,7 @@ TEST(Film, FacesTakeTheirEnergyAndLetGo) {
   const CohesiveTraction faces({4e15, 4e15}, v);
   FilmOfPair f;
   double dissipated;
-  EXPECT_NEAR(imbalance(f, Vector(0, 0, 3e-6), std::getenv("NS") ? std::atoi(std::getenv("NS")) : 20000, &faces, dissipated), 0.0, 2e-3);
+  EXPECT_NEAR(imbalance(f, Vector(0, 0, 3e-6), 20000, &faces, dissipated), 0.0, 2e-3);
   EXPECT_FALSE(f.film.carries_load());
   const Film::Areas areas = f.film.areas();
   EXPECT_EQ(areas.inside, 0.0);
@@ -259,6 +276,166 @@ TEST(Film, TakesUpTheStrainOfTheSteps) {
   at_once.film.start_from(at_once.ends);
   at_once.film.add_force(at_once.ends, *at_once.law);
   for (int d = 0; d < 3; ++d) EXPECT_NEAR(at_once.ends[1].force[d], walked.ends[1].force[d], 1e-4 * 300.0);
+}
+
+TEST(Film, TakesUpTheLogarithmOfALargeStretch) {
+  FilmOfPair walked, at_once;
+  const Vector way(0, 0, 6e-6);  // 1 to 3 % of the thickness
+  for (int n = 0; n < 2000; ++n) {
+    walked.add(1, way / 2000, Vector::Zero());
+    walked.step();
+  }
+  at_once.add(1, way, Vector::Zero());
+  at_once.film.start_from(at_once.ends);
+  EXPECT_NEAR(at_once.force_now()[2] / walked.ends[1].force[2], 1.0, 1e-3);  // the logarithm without its second term is 1 % off
+}
+
+// Between grains of any radii the faces, whose normals are askew to the columns, take and release what is spent.
+TEST(Film, FacesBetweenUnequalGrains) {
+  const double Gn = 2.0;
+  const CohesiveTraction faces = cohesive(5e6, Gn);
+  for (const Vector& way : {Vector(0, 0, 3e-6), Vector(4e-6, 0, 1e-6)}) {
+    FilmOfPair f(undamaged(), Vector(0, 0, 1), 2.0 * kR);
+    double dissipated;
+    EXPECT_NEAR(imbalance(f, way, 10000, &faces, dissipated), 0.0, 4e-3);
+    EXPECT_FALSE(f.film.carries_load());
+    double area = 0.0;
+    for (const Link& k : f.film.points.links) area += 0.5 * k.area;
+    EXPECT_GT(dissipated, 0.9 * Gn * area);
+    EXPECT_LT(dissipated, 2.1 * Gn * area);
+    if (way[0] == 0.0) EXPECT_LT(dissipated, 1.15 * Gn * area);
+  }
+}
+
+// Of two equal faces the one at the grain that is behind debonds, and its area counts at that grain.
+TEST(Film, OfEqualFacesTheOneBehindDebonds) {
+  const CohesiveTraction faces = cohesive(5e6, 1.0);
+  FilmOfPair f;
+  const int behind = grain_behind(f.record);
+  int debonded[2] = {0, 0};
+  for (int n = 0; n < 4000; ++n) {
+    f.add(1, Vector(0, 0, 1e-9), Vector::Zero());
+    f.step(&faces);
+    for (int link : f.film.debonded) ++debonded[f.film.points.links[link].grain == f.record.grain[1]];
+  }
+  EXPECT_FALSE(f.film.carries_load());
+  EXPECT_EQ(debonded[behind], f.film.points.size());
+  EXPECT_EQ(debonded[1 - behind], 0);
+  const Film::Areas areas = f.film.areas();
+  EXPECT_GT(areas.at_grain[behind], 0.0);
+  EXPECT_EQ(areas.at_grain[1 - behind], 0.0);
+  EXPECT_EQ(areas.intact, 0.0);
+}
+
+// Soft faces store three times what the column does, which fails at its full load here.
+TEST(Film, ColumnsThatFailReleaseTheEnergyOfTheirFaces) {
+  const double kn = 2e14, kt = 0.7 * kn;
+  const CohesiveTraction faces = cohesive(1e9, 1e3, kn);  // too strong to soften
+  FilmOfPair f(brittle(9.6e3, 0.1));
+  double released = 0.0, of_faces = 0.0;
+  for (int n = 0; n < 8000 && f.film.carries_load(); ++n) {
+    f.add(1, Vector(0, 0, 2.5e-10), Vector::Zero());
+    released += f.step(&faces).released;
+    for (int slot : f.film.failed)
+      for (const Link& k : f.film.points.links) {
+        if (k.slot != slot) continue;
+        const int s = k.grain == f.record.grain[1];
+        const Vector open = Eigen::Map<const Vector>(k.moved),
+                     normal = (Eigen::Map<const Vector>(k.foot) - Eigen::Map<const Vector>(f.record.centre[s])) / kR;
+        const double along = open.dot(normal);
+        of_faces += 0.5 * k.area * (kn * along * along + kt * (open.squaredNorm() - along * along));
+      }
+  }
+  EXPECT_FALSE(f.film.carries_load());
+  EXPECT_GT(of_faces, 0.0);
+  EXPECT_GT(released, of_faces);
+  EXPECT_LT(released, 2.0 * of_faces);
+  EXPECT_GT(f.film.areas().inside, 0.0);
+  EXPECT_EQ(f.film.areas().at_grain[0] + f.film.areas().at_grain[1], 0.0);
+}
+
+// A bond that is pulled askew breaks column by column. In between, at each of these states:
+//  - the loads at the start of a run are those of the last step,
+//  - the stiffness is that of the rest, with its damage: loads change by it in a small motion back,
+//  - a new layout changes nothing.
+TEST(Film, StateInTheMiddleOfAFailure) {
+  const CohesiveTraction strong = cohesive(1e9, 1e3), weak = cohesive(5e6, 2.0);
+  for (const TractionLaw* faces :
+       {static_cast<const TractionLaw*>(nullptr), static_cast<const TractionLaw*>(&strong), static_cast<const TractionLaw*>(&weak)}) {
+    FilmOfPair f(faces == &weak ? undamaged() : brittle(9.6e3));
+    const int columns = f.film.points.size();
+    int looks = 0;
+    for (int n = 0; n < 6000 && f.film.carries_load(); ++n) {
+      f.add(1, Vector(0, 0, 5e-10), Vector(2e-7, 0, 0));
+      f.step(faces);
+      if (n % 100 != 0) continue;
+      const Film::Areas areas = f.film.areas();
+      const bool some = areas.intact > 0.0 && areas.intact < areas.all();
+      looks += some;
+      const Vector force = Eigen::Map<const Vector>(f.ends[1].force);
+      const double size = force.norm() + 1e-3;
+      FilmOfPair start(f), again(f), back(f);
+      EXPECT_LT((start.force_now() - force).norm(), 1e-12 * size) << n;
+
+      again.film.lay_out(again.record, again.law);
+      const Film::Areas same = again.film.areas();
+      EXPECT_NEAR(same.intact, areas.intact, 1e-12 * areas.all());
+      EXPECT_NEAR(same.inside, areas.inside, 1e-12 * areas.all());
+      for (int s = 0; s < 2; ++s) EXPECT_NEAR(same.at_grain[s], areas.at_grain[s], 1e-12 * areas.all());
+      FilmOfPair on(f);
+      for (FilmOfPair* p : {&again, &on}) {
+        p->add(1, Vector(0, 0, 5e-10), Vector(2e-7, 0, 0));
+        p->step(faces);
+      }
+      for (int d = 0; d < 3; ++d) EXPECT_NEAR(again.ends[1].force[d], on.ends[1].force[d], 1e-10 * size) << n;
+
+      if (faces || areas.intact < 0.3 * areas.all()) continue;  // the stiffness is that of columns alone
+      const Film::Matrix6 K = f.film.stiffness(f.film.strains(f.ends, Eigen::Map<const Vector>(f.ends[1].x)), *f.law);
+      back.add(1, Vector(0, 0, -1e-10), Vector::Zero());
+      back.step();
+      // the law is not linear in the strain of a damaged point: up to a tenth
+      EXPECT_NEAR((back.ends[1].force[2] - force[2]) / 1e-10, K(2, 2), 0.2 * K(2, 2)) << n;
+    }
+    EXPECT_GT(looks, 3) << "of " << columns << " columns some have failed";
+  }
+}
+
+// Columns move as the mean of the points of both grains that were at their middles.
+TEST(Film, MotionOfColumns) {
+  FilmOfPair f(undamaged(), Vector(1, 2, 2), 1.5 * kR);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> one(-1.0, 1.0);
+  const auto some = [&](double size) { return Vector(size * one(random), size * one(random), size * one(random)); };
+  Matrix turn[2];
+  Vector way[2];
+  for (int s = 0; s < 2; ++s) {
+    turn[s] = Eigen::AngleAxisd(0.3 + s, some(1.0).normalized()).toRotationMatrix();
+    way[s] = some(1e-3);
+    f.place(s, way[s], turn[s]);
+    for (double* of_grain : {f.ends[s].v, f.ends[s].omega, f.ends[s].a, f.ends[s].alpha}) {
+      const Vector value = some(1.0);
+      std::copy(value.data(), value.data() + 3, of_grain);
+    }
+  }
+  const double later = 0.25;
+  vd x[3], v[3];
+  f.film.motion(0, f.ends, later, x, v);
+  for (int l = 0; l < kLanes; ++l) {
+    Vector at = Vector::Zero(), rate = Vector::Zero();
+    for (int s = 0; s < 2; ++s) {
+      const Vector c = Eigen::Map<const Vector>(f.record.centre[s]);
+      Vector X;
+      for (int d = 0; d < 3; ++d) X[d] = f.film.points.blocks[0].X[d][l];
+      const Vector arm = turn[s] * (X - c);
+      const auto of = [&](const double* p) -> Vector { return Eigen::Map<const Vector>(p); };
+      at += 0.5 * (c + way[s] + arm);
+      rate += 0.5 * (of(f.ends[s].v) + later * of(f.ends[s].a) + (of(f.ends[s].omega) + later * of(f.ends[s].alpha)).cross(arm));
+    }
+    for (int d = 0; d < 3; ++d) {
+      EXPECT_NEAR(x[d][l], at[d], 1e-15);
+      EXPECT_NEAR(v[d][l], rate[d], 1e-14);
+    }
+  }
 }
 
 }  // namespace

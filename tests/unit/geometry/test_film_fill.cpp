@@ -108,9 +108,46 @@ TEST(FilmFill, NeighboursTakeTheirShare) {
   const Flat flat(touching(), 1.6e-3, 1e-3);
   const FilmFill film = film_fill(flat, 2e-4);
   const std::vector<Neighbour> neighbours = {{&flat, Vector3(1e-6, 0, 0)}};
-  const double kept = sums(fill_film(flat.pair(), film, neighbours)).volume / flat.volume();
+  const Sums rest = sums(fill_film(flat.pair(), film, neighbours));
+  const double kept = rest.volume / flat.volume();
   EXPECT_GT(kept, 0.45);
   EXPECT_LT(kept, 0.55);
+  for (int s = 0; s < 2; ++s) EXPECT_NEAR(rest.area[s] / flat.attached_area(s), kept, 1e-3);  // by halves of rings
+}
+
+// A neighbour farther away takes from what is nearer to its middle, of the outer rings alone. It is thinner there than this bond.
+TEST(FilmFill, NeighboursTakeWhatIsNearerToThem) {
+  const Flat flat(touching(), 1.6e-3, 1e-3);
+  const FilmFill film = film_fill(flat, 2e-4);
+  const double between = 1.3e-3;
+  const std::vector<FillPoint> all = fill_film(flat.pair(), film),
+                               rest = fill_film(flat.pair(), film, {{&flat, Vector3(2.0 * between, 0, 0)}});
+  ASSERT_EQ(rest.size(), all.size());
+  int taken = 0;
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const double kept = rest[n].volume / all[n].volume;
+    for (int k = 0; k < 2; ++k) EXPECT_NEAR(rest[n].link[k].area / all[n].link[k].area, kept, 1e-12);
+    if (all[n].X[0] < 0.8 * between) EXPECT_EQ(kept, 1.0) << all[n].X.transpose();
+    if (all[n].X[0] < 1.1 * between) continue;
+    EXPECT_LT(kept, 0.8) << all[n].X.transpose();
+    ++taken;
+  }
+  EXPECT_GE(taken, 2);
+}
+
+// Foot points are on the grains, along the line of centres from each other. Faces have the area that is seen as the cross-section.
+TEST(FilmFill, ColumnsReachFromGrainToGrain) {
+  const Flat flat(touching(2.5 * kRadius, 2e-5), 1.6e-3, 1e-3);
+  for (const FillPoint& p : fill_film(flat.pair(), film_fill(flat, 2e-4))) {
+    const Vector3 along = p.link[1].foot - p.link[0].foot;
+    EXPECT_NEAR(along.cross(kAlong).norm(), 0.0, 1e-15);
+    EXPECT_NEAR((p.link[0].foot + p.link[1].foot - 2.0 * p.X).norm(), 0.0, 1e-15);
+    for (const auto& k : p.link) {
+      const Vector3 normal = (k.foot - flat.pair().centre(k.side)) / flat.pair().radius(k.side);
+      EXPECT_NEAR(normal.norm(), 1.0, 1e-12);
+      EXPECT_NEAR(k.area * std::fabs(normal.dot(kAlong)) * along.norm() / p.volume, 1.0, 1e-6);
+    }
+  }
 }
 
 TEST(FilmFill, RefusesWhatCannotBeFilm) {
