@@ -3,7 +3,7 @@
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 """Plants bugs in a copy of the source and looks whether a test fails with each. See README.md beside this file.
 
-    tests/mutation/mutate.py [--folder build/mutation] [--seed 1] [--jobs 2] [--unit] [--fresh] ...
+    tests/mutation/mutate.py [--planted] [--folder build/mutation] [--seed 1] [--jobs 2] [--unit] [--fresh] ...
 
 One program holds all mutants as switches (candidates.py, draw.py, mutant.h). First the tests run without a mutant; each
 must pass, and tells which mutants it comes to. Then each mutant runs the tests that come to it, from the quickest to the
@@ -23,8 +23,8 @@ import threading
 import time
 from pathlib import Path
 
-import candidates
 import draw
+import planted
 from tests_of import SystemTests, UnitTests, end_all
 
 HERE = Path(__file__).resolve().parent
@@ -149,6 +149,11 @@ class Folder:
             self.state["refused"] += [c.key() for c in wrong]
             self.save()
 
+    def plant_listed(self):
+        """The mutants of planted.json, into the copy."""
+        self.mutants = planted.mutants(ROOT / SOURCE)
+        self.plant()
+
     def candidates(self):
         """From the source itself; reading it takes a minute or two, so the list is kept."""
         stored = self.path / "candidates.json"
@@ -157,6 +162,8 @@ class Folder:
             if known["source"] == self.state["source"]:
                 return [draw.Candidate(**c) for c in known["found"]], known["compiled_by"]
         original = [{k: c[k].replace(str(self.tree), str(ROOT)) for k in ("command", "file")} for c in self.commands()]
+        import candidates  # needs libclang, planted bugs do not
+
         found, compiled_by = candidates.find(original, str(ROOT / SOURCE), say_progress)
         stored.write_text(json.dumps({"source": self.state["source"], "found": [vars(c) for c in found], "compiled_by": compiled_by}))
         return found, compiled_by
@@ -307,7 +314,8 @@ def end(by, _):
 
 def main():
     p = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    p.add_argument("--folder", default=ROOT / "build" / "mutation", help="where it works")
+    p.add_argument("--planted", action="store_true", help="the bugs of planted.json instead of those that are drawn")
+    p.add_argument("--folder", help="where it works; build/mutation, or build/planted with --planted")
     p.add_argument("--seed", type=int, default=1)
     p.add_argument("--jobs", type=int, default=2, help="tests at a time")
     p.add_argument("--least", type=int, default=LEAST, help="mutants of a folder of the source")
@@ -320,19 +328,25 @@ def main():
     p.add_argument("--only", type=int, nargs="+", help="numbers of mutants, killed or not")
     p.add_argument("--list", action="store_true", help="draw, list and end")
     p.add_argument("--fresh", action="store_true", help="forget all results")
-    p.add_argument("--json", default=ROOT / "build" / "figures" / "mutants.json", help="for tools/reliability.py")
+    p.add_argument("--json", help="build/figures/mutants.json, for tools/reliability.py, or planted.json in the folder with --planted")
     given = p.parse_args()
     if bool(given.new) != bool(given.since):
         p.error("--new and --since need each other")
+    if given.new and given.planted:
+        p.error("--planted draws no others; leave --new out")
     for by in (signal.SIGTERM, signal.SIGINT):
         signal.signal(by, end)
 
-    folder = Folder(given.folder, given.seed, given.jobs)
+    folder = Folder(given.folder or ROOT / "build" / ("planted" if given.planted else "mutation"), given.seed, given.jobs)
+    table = Path(given.json) if given.json else folder.path / "planted.json" if given.planted else ROOT / "build" / "figures" / "mutants.json"
     folder.load(given.fresh)
     folder.copy()
     folder.plant(missing=True)
     folder.configure()
-    folder.draw(given.least, given.total, given.new, given.since)
+    if given.planted:
+        folder.plant_listed()
+    else:
+        folder.draw(given.least, given.total, given.new, given.since)
     folder.save()
     if given.list:
         for n, c in enumerate(folder.mutants, 1):
@@ -344,10 +358,10 @@ def main():
     judge.without_mutant()
     judge.all(given.only)
     rows = judge.table()
-    Path(given.json).parent.mkdir(parents=True, exist_ok=True)
-    Path(given.json).write_text(json.dumps(rows, indent=1))
+    table.parent.mkdir(parents=True, exist_ok=True)
+    table.write_text(json.dumps(rows, indent=1))
     count = {o: sum(r["outcome"] == o for r in rows) for o in ("killed", "changes nothing", "survives", "not run")}
-    say("mutate.py: " + ", ".join(f"{n} {o}" for o, n in count.items()) + f"; {given.json}")
+    say("mutate.py: " + ", ".join(f"{n} {o}" for o, n in count.items()) + f"; {table}")
     for r in rows:
         if r["outcome"] == "survives":
             say(f"  {r['number']} {r['file']}:{r['line']} {r['change']}; {r['reached']} tests come to it\n      {r['content']}")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Films: what is too thin for cells is columns that the grains move. The bond is the same at every spacing."""
+import csv
 import re
 
 import numpy as np
@@ -39,6 +40,11 @@ def test_geometry_is_that_of_the_bond(shape, words, tmp_path):
     assert said(found[0]) == pytest.approx(said(found[1]), rel=1e-5)
     assert all("inner radius 0.001," in text for text in found)
     assert re.search(r"in cells of two points up to \S+ thick and \S+ wide; film carries \S+ % of the attached area", found[0])
+    # a zone of a sphere by its height: from the inner radius of 1 mm to where the gap is two spacings, and so each grain a spacing high
+    R = 5e-3
+    zone = 2 * np.pi * R * (2e-4 - (R - np.sqrt(R**2 - 1e-3**2)))
+    share = float(re.search(r"film carries (\S+) % of the attached area", found[0])[1])
+    assert share == pytest.approx(100 * 2 * zone / sum(said(found[0])[2:4]), rel=1e-4)
 
 
 def test_small_bond_does_not_know_the_spacing(tmp_path):
@@ -121,6 +127,43 @@ def test_cohesive_faces(way, tmp_path, figures):
     figures.below(f"imbalance with cohesive faces, pulled along {way}", abs(t["f_cem[12]"]).max(), 5e-4)
     output = (tmp_path / "in.test.out").read_text()
     assert "debonding" in output
+
+
+def test_events_are_at_the_columns(tmp_path):
+    """A bond that is all film writes each column that fails once, at its place: in rings between the radii of the bond, in the middle of the gap."""
+    t = pulled(tmp_path, 2e-4, damage=f"{BREAKS} events events.csv")
+    output = (tmp_path / "in.test.out").read_text()
+    inner, outer = (float(x) for x in re.search(r"flat, inner radius (\S+), outer radius (\S+),", output).groups())
+    with open(tmp_path / "events.csv", newline="") as f:
+        events = list(csv.DictReader(f))
+    assert len(events) == len({e["point"] for e in events}) == t["f_cem[2]"][-1] > 50
+    rings = {}
+    for e in events:
+        assert inner < float(e["r"]) < outer and abs(float(e["z"])) < 1e-9 and e["mode"] == "internal"
+        rings.setdefault(round(float(e["r"]) * 1e8), []).append(float(e["theta"]))
+    for angles in rings.values():  # 16 columns in a ring, alike in angle
+        assert len(angles) == 16 and np.diff(sorted(angles)) == pytest.approx(np.full(15, np.pi / 8), abs=1e-6)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_what_debonds_is_said_of_its_grain(ranks, tmp_path):
+    """Of two equal faces those at the grain with the smaller coordinate debond; the surface of the crack is there, whichever rank has the columns."""
+    t = pulled(tmp_path, 2e-4, damage="", couple=COHESIVE, steps=16000, speed=0.03, ranks=ranks, processors=f"{ranks} 1 1")
+    assert t["f_cem[19]"][-1] == 1
+    output = (tmp_path / "in.test.out").read_text()
+    assert re.search(r"debonding.*of the fracture surface 100 % at the first grain, 0 % at the second, 0 % inside", output)
+
+
+def test_places_of_columns(tmp_path):
+    """Atoms of columns are where both grains have them on average: a column moves by half of the way of the grain that is pulled."""
+    script = bond(2e-4) + pull(0.1, 2e-6) + "dump all calcite custom 500 p.*.txt id z vz\n"
+    script += 'dump_modify all format "%d %.17g %.17g"\n' + thermo(500, ["f_bond[13]"]) + "run 1000\n"
+    t = run(script, tmp_path).table()
+    start, end = (np.loadtxt(tmp_path / f"p.{n}.txt", skiprows=9) for n in (0, 1000))
+    start, end = start[start[:, 0].argsort()], end[end[:, 0].argsort()]
+    gap = t["f_bond[13]"][-1] - t["f_bond[13]"][0]
+    assert len(start) > 60 and gap > 1e-7
+    assert end[:, 1] - start[:, 1] == pytest.approx(np.full(len(start), gap / 2), rel=1e-6)
 
 
 def test_film_and_cells_break_together(tmp_path, figures):

@@ -7,6 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "mutation"))
 import draw  # noqa: E402
+import planted  # noqa: E402
 
 FILES = [f"{folder}/{name}.cpp" for folder in ("mpm", "styles", "host") for name in "abcdef"]
 
@@ -92,3 +93,31 @@ def test_lines_that_change_nothing_are_still_there():
         lines = [line.strip() for line in (ROOT / "src" / "USER-MPDEM" / entry["file"]).read_text().splitlines()]
         assert entry["line"] in lines, f"{entry['file']}: '{entry['line']}' is another line now: argue anew, or leave the entry out"
         assert len(entry["reason"]) > 40 and "change" in entry
+
+
+def test_planted_bugs_still_fit():
+    """Each line of the list is in the source as it is written there, with one place for the change, and no two changes meet."""
+    source = ROOT / "src" / "USER-MPDEM"
+    entries = json.loads(planted.LIST.read_text())
+    wrong = []
+    for entry in entries:
+        assert len(entry["bug"]) > 10 and entry["original"] != entry["mutated"]
+        try:
+            planted.mutant_of(entry, source)
+        except ValueError as e:
+            wrong.append(str(e))
+    assert not wrong, "change the list, or leave these out:\n" + "\n".join(wrong)
+    mutants = planted.mutants(source)
+    assert len(keys(mutants)) == len(entries) >= 24
+    for one, other in zip(mutants, mutants[1:]):
+        assert one.path != other.path or one.end <= other.start, f"{one.path}:{one.line}"
+
+
+def test_switches_of_planted_bugs(tmp_path):
+    """Expressions become a choice, statements a condition; bytes before them count, not characters."""
+    (tmp_path / "a.cpp").write_text("// \u00b5\n  a = x + y;\n  b();\n")
+    entry = {"file": "a.cpp", "line": "a = x + y;", "original": "x + y", "mutated": "x - y", "occurrence": 0}
+    statement = {"file": "a.cpp", "line": "b();", "original": "b();", "mutated": "", "occurrence": 0}
+    made = [planted.mutant_of(e, tmp_path) for e in (entry, statement)]
+    text = draw.switched((tmp_path / "a.cpp").read_bytes(), list(enumerate(made, 1))).decode()
+    assert text == "// \u00b5\n  a = (mpdem_mutant(1) ? (x - y) : (x + y));\n  if (!mpdem_mutant(2)) b();\n"
