@@ -266,6 +266,27 @@ def test_links_that_debond(tmp_path):
     assert len(told(result)) == 1
 
 
+@pytest.mark.parametrize("words", ["", "quasistatic 50 0.1"])
+def test_warning_of_free_grains_on_ranks(words, tmp_path, figures):
+    """The share of the warning is the median of those of the last three checks, with the free grains, in the inertia that the run gives them. Ranks
+    change nothing."""
+    lines = []
+    for ranks in (1, 2):
+        directory = tmp_path / str(ranks)
+        directory.mkdir()
+        result = run(scene(f"check 20 {words}", told="", directory=directory, damage="damage tensor B0 0.5 cutoff 0.9") + "run 600\n", directory, ranks)
+        (line,) = told(result)
+        lines.append(line)
+        t = result.table()
+        step, share = (float(re.search(pattern, line)[1]) for pattern in (r"after step (\d+) ", r"energy of ([-+.\de]+),"))
+        shares = t["f_cem[33]"][t["step"] <= step]
+        assert len(shares) > 5 and len(set(shares[-3:])) == 3
+        figures.below(
+            f"{words or 'plain'}, {ranks} ranks: share of the warning against the median of three rows", abs(share / np.median(shares[-3:]) - 1), 1e-4
+        )
+    assert [re.search(r"after step (\d+) ", line)[1] for line in lines] == [re.search(r"after step (\d+) ", lines[0])[1]] * 2
+
+
 SLOW_THEN_FAST = """\
 variable     u equal (step-{start})*dt
 unfix        pull
