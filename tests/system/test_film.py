@@ -156,13 +156,17 @@ def test_what_debonds_is_said_of_its_grain(ranks, tmp_path):
 
 def test_places_of_columns(tmp_path):
     """Atoms of columns are where both grains have them on average: a column moves by half of the way of the grain that is pulled."""
-    script = bond(2e-4) + pull(0.1, 2e-6) + "dump all calcite custom 500 p.*.txt id z vz\n"
-    script += 'dump_modify all format "%d %.17g %.17g"\n' + thermo(500, ["f_bond[13]"]) + "run 1000\n"
+    script = bond(2e-4) + pull(0.1, 2e-6) + "dump all calcite custom 500 p.*.txt id z x y\n"
+    script += 'dump_modify all format "%d %.17g %.17g %.17g"\n' + thermo(500, ["f_bond[13]"]) + "run 1000\n"
     t = run(script, tmp_path).table()
     start, end = (np.loadtxt(tmp_path / f"p.{n}.txt", skiprows=9) for n in (0, 1000))
     start, end = start[start[:, 0].argsort()], end[end[:, 0].argsort()]
     gap = t["f_bond[13]"][-1] - t["f_bond[13]"][0]
     assert len(start) > 60 and gap > 1e-7
+    inner, outer = (float(x) for x in re.search(r"flat, inner radius (\S+), outer radius (\S+),", (tmp_path / "in.test.out").read_text()).groups())
+    for rows in (start, end):
+        r = np.hypot(rows[:, 2], rows[:, 3])
+        assert inner < r.min() and r.max() < outer
     assert end[:, 1] - start[:, 1] == pytest.approx(np.full(len(start), gap / 2), rel=1e-6)
 
 
