@@ -37,7 +37,7 @@ demo: $(BUILD)/.setup
 	@echo "Results: $(DEMO)/bond_scaled.csv, $(DEMO)/force_displacement.png, $(DEMO)/damage_cut.png, $(DEMO)/bond_breaks.gif"
 
 # The benchmarks run in their short form. The tutorials of LIGGGHTS that a test runs come from its source.
-test: CMAKE_OPTIONS += -DMPDEM_BENCH=ON
+test: CMAKE_OPTIONS += -DMPDEM_BENCH=ON -DCMAKE_COMPILE_WARNING_AS_ERROR=ON
 test: all
 	tools/setup.sh tests
 	tools/fetch_liggghts.sh $(BUILD) || echo "Without the source of LIGGGHTS the test of its tutorials is skipped"

@@ -124,13 +124,16 @@ def example(directory, cell=1e-4, method=DEFAULT, timestep=None, content=None, p
     pull = (source / "pull.in").read_text()
     pull = edit(pull, "basis quadratic kinematics total", words(method))
     pull = re.sub(r"^dump .*\n", "", pull, flags=re.M)
-    if timestep:
-        pull = edit(pull, "timestep     1e-9", f"timestep {timestep:.10g}")
+    # The local law with steps of its own: `nonlocal` needs cells of L or smaller.
+    pull = edit(pull, " regularization ${regularization} timestep auto 0.7", "")
+    pull = edit(pull, "fix          cem ", f"timestep {timestep or 1e-9:.10g}\nfix          cem ")
     if parts:
         pull = edit(pull, "loop 60", f"loop {parts}")
     (directory / "pull.in").write_text(pull)
     script = (source / ("in.flat_scaled" if scaled else "in.flat_table1")).read_text()
+    speed = "0.1265" if scaled else "4"
     arguments = ["-var", "cell", f"{cell:.10g}", "-var", "spacing", f"{cell / 2:.10g}"]
+    arguments += ["-var", "inner", "share 0.2", "-var", "speed", speed, "-var", "ramp", "4e-6"]
     if content:
         arguments += ["-var", "content", str(content)]
     return launch(script, directory, ranks=ranks, arguments=arguments)

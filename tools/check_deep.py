@@ -20,6 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 SANITIZE = 4  # pieces of its tests
+TIDY = 3  # pieces of clang-tidy
 PAIRS = 4  # other scenes with every pair of options
 MINUTES = 40
 
@@ -35,6 +36,10 @@ def pieces(root, build, jobs):
         found[f"pairs.{seed}"] = f"{make} all && MPDEM_PAIRS_SEED={seed} ctest --test-dir {build} -R '^system.option_pairs$' --output-on-failure"
     found["changes"] = f"tools/check_changes.py --build {build} --jobs {jobs}"
     found["fuzz"] = f"{make} fuzz MINUTES=20 INPUTS=1000000"
+    clang = f"tools/setup.sh deep && cmake -S . -B {build}-clang -DCMAKE_CXX_COMPILER=clang++ -DMPDEM_UNITY=ON -DCMAKE_COMPILE_WARNING_AS_ERROR=ON"
+    found["clang"] = f"{clang} && cmake --build {build}-clang --parallel {jobs} && ctest --test-dir {build}-clang -L unit --parallel {jobs}"
+    for k in range(1, TIDY + 1):
+        found[f"tidy.{k}"] = f"tools/setup.sh deep && {make} all && tools/tidy.py {build} --jobs {jobs} --part {k} {TIDY}"
     sanitize = f"cmake --preset sanitize && cmake --build --preset sanitize --parallel {jobs}"
     found["sanitize.build"] = sanitize
     for k in range(1, SANITIZE + 1):

@@ -32,6 +32,7 @@ UCS_OVER_RUMPF = 1.45
 SHARE = 1e-3  # kinetic share of the energy at half of the peak that the speed is chosen for
 # Fracture energy over sqrt(2) B0 L with `nonlocal L` at the ends of the range of fix mpm, and without softening of its own (m = 0).
 LEAST, PLAIN, MOST = 3.031, 4.516, 36.06
+STRENGTHS = (1e4, 1e9)  # of cement, Pa: beyond, the words are taken for wrong
 # The specimen of 80 beads of examples/specimen: mean diameter (m), porosity, bonds on a bead, density (kg/m3) of beads and cement.
 EXAMPLE = {"diameter": 3.7e-3, "porosity": 0.483, "coordination": 4.1, "grain": 2500.0, "cement": 2710.0}
 
@@ -233,7 +234,11 @@ class Parameters:
             self.B0 = self._threshold()
         self._energy()
         self.force = self.bond.force(self.cement, self.B0, self.energy)
-        self.strength = self.cement.strength(self.B0, self.cement.Ez)
+        strength = self.cement.strength(self.B0, self.cement.Ez)
+        if not STRENGTHS[0] < strength < STRENGTHS[1]:
+            raise Trouble(
+                f"--ucs {args.ucs:g}: cement of a tensile strength of {strength:.3g} Pa follows; check that the UCS is in Pa, and the calcite content"
+            )
         self.strain = args.strain or 3e-4 * (args.ucs / 3e5) ** (2.0 / 3.0)
         self.bulk = (1.0 - self.porosity) * args.grain_density * (1.0 + args.calcite)
         self.speed = math.sqrt(0.75 * SHARE * args.ucs * self.strain / self.bulk)
@@ -250,8 +255,8 @@ class Parameters:
     def _threshold(self):
         """B0 with which the stress of Rumpf is the share of the UCS that the ratio says."""
         force = self.args.ucs / self.ratio / rumpf(1.0, self.args.diameter, self.porosity, self.args.coordination)
-        low, high = 1e-12 * self.cement.Ez, self.cement.Ez
-        for _ in range(60):
+        low, high = 1e-24 * self.cement.Ez, self.cement.Ez
+        for _ in range(70):
             middle = math.sqrt(low * high)
             low, high = (middle, high) if self.bond.force(self.cement, middle, self._given(middle)) < force else (low, middle)
         return low
@@ -320,7 +325,8 @@ class Parameters:
             f"             {self.regularization()}quasistatic 1 0.05 condense yes timestep auto ${{step}}",
             "fix          bond grains mpm/couple cem",
             "",
-            "# Measure the UCS with 80 beads, then give --measured PA. Lengths, and the energy, are larger there by one factor, which leaves stresses as they are.",
+            "# Measure the UCS with 80 beads, of several packings (--set seed=PRIME), then give --measured PA, their mean. The beads of the example",
+            f"# are {EXAMPLE['diameter'] / a.diameter:.4g} times as large as the grains; all lengths, and the energy, are multiplied by that, and stresses stay.",
             f"#   {self.calibration()}",
         ]
         return "\n".join(lines)
@@ -329,11 +335,12 @@ class Parameters:
         return "regularization nonlocal ${length} energy ${energy} " if self.energy > 0.0 else ""
 
     def calibration(self):
-        """Command for bonds of this shape and cement between the beads of the example."""
+        """Command for bonds of this shape and strength between the beads of the example, whose cement has the moduli of calcite."""
         factor = EXAMPLE["diameter"] / self.args.diameter
-        words = [f"strength={self.B0:.4g}", f"zeta={self.args.zeta:g}", f"speed={self.speed:.2g}"]
+        stiffer = self.cement.C33 / Cement(None, CALCITE).C33  # stresses in a film scale with sqrt(B0 C33)
+        words = [f"strength={self.B0 * stiffer:.4g}", f"zeta={self.args.zeta:g}", f"speed={self.speed:.2g}"]
         if self.energy > 0.0:
-            words[1] = f"'{words[1]} regularization nonlocal {factor * self.length:.4g} energy {factor * self.energy:.4g}'"
+            words.append(f"'regularization=nonlocal {factor * self.length:.4g} energy {factor * self.energy * stiffer:.4g}'")
         if self.energy > 0.0 or not self.film:
             words += [f"spacing={factor * self.spacing:.4g}"]
         content = self.content * (self.args.grain_density / self.args.cement_density) / (EXAMPLE["grain"] / EXAMPLE["cement"])

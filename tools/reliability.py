@@ -28,7 +28,7 @@ FUZZ, MUTANTS = "fuzz.json", "mutants.json"
 ROUNDING, WIDEST = 1e-9, 30  # a figure below the first measures rounding, and its limit is to be at most so many times as large
 OUTCOMES = {
     "ok": "ended well",
-    "message": "one message that names its command",
+    "message": "one message that names the command",
     "silent": "error without a message",
     "nameless": "message that names no command",
     "crash": "crash",
@@ -41,20 +41,20 @@ OF_MUTANTS = ("seed", "file", "line", "change", "outcome", "by")
 # What the page promises, and the test whose figure it shows.
 PROMISES = (
     ("Stiffness of a bond: that of finite elements", "test_stiffness_command", "test_finite_elements"),
-    ("Stiffness: hardly any effect of where the grid lies", "test_grid_and_points", "test_offset_of_the_grid"),
-    ("Energy of a crack: the one asked for, with any cell", "test_nonlocal", "test_same_energy_at_any_cell"),
-    ("Energy of a cohesive interface: strength and energy of the law", "test_interface_energy", "test_a_crack_that_runs"),
+    ("Stiffness: little effect of the position of the grid", "test_grid_and_points", "test_offset_of_the_grid"),
+    ("Fracture energy of `nonlocal`: that of the script, with any cell", "test_nonlocal", "test_same_energy_at_any_cell"),
+    ("Fracture energy of `interface cohesive`: that of the script", "test_interface_energy", "test_a_crack_that_runs"),
     ("Energy balance through failure", "test_energy", "test_balance_through_failure"),
     ("Energy balance with friction of crushed cement", "test_friction", "test_crushed_cement_keeps_the_balance"),
     ("Momentum of a pair that breaks in flight", "test_conservation", "test_breaking_pair"),
     ("Same forces on any number of ranks", "test_layouts", "test_layout"),
-    ("A run from a restart file is the run left alone", "test_interrupted", "test_killed"),
+    ("A run from a restart file: results of the uninterrupted run", "test_interrupted", "test_killed"),
     ("Same forces for a bond in any direction", "test_symmetry_of_pairs", "test_any_direction"),
-    ("Condensed bonds carry what resolved ones carry", "test_condense", "test_packing"),
-    ("Sub-steps give the forces of short steps", "test_subcycle", "test_example"),
+    ("Condensed bonds carry the forces of resolved ones", "test_condense", "test_packing"),
+    ("Sub-steps give the forces of a run with short steps", "test_subcycle", "test_example"),
     ("Same numbers in si, cgs and micro", "test_scales", "test_units"),
     ("No drift of energy in a long vibration", "test_long_runs", "test_free_vibration"),
-    ("The limit of the time step is a limit", "test_stable_step", "test_time_step"),
+    ("Time steps up to the stable step are stable", "test_stable_step", "test_time_step"),
 )
 
 
@@ -167,7 +167,7 @@ def sum_of_tests(rows):
     ]
     shown = [(words, r) for words, file, test in PROMISES for r in rows if (r["file"], r["test"]) == (file, test)]
     if shown:
-        text += ["", "| promise | figure nearest to its limit | measured | limit | test |", "|---|---|---|---|---|"]
+        text += ["", "| promise | figure nearest to its limit | measured | limit | test file: test |", "|---|---|---|---|---|"]
         text += [f"| {words} | {cell(r['nearest to its limit'])} | {r['measured']} | {r['limit']} | {named(r)} |" for words, r in shown]
     return "\n".join(text)
 

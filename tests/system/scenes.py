@@ -25,6 +25,11 @@ def C33(Ep, Ez, nu_p, nu_zp, Gzp):
     return Ez * (1 - nu_p) / (1 - nu_p - 2 * nu_zp**2 * Ep / Ez)
 
 
+def uncoupled(script):
+    """The script without fix mpm/couple, which fix mpm has to be told."""
+    return edit(edit(script, "fix          bond grains mpm/couple cem kn auto kt auto\n", ""), "calcite mpm ", "calcite mpm coupling none ")
+
+
 def edit(text, old, new):
     """The text with `old`, which has to occur once, replaced."""
     assert text.count(old) == 1, f"{text.count(old)} times in the script, not once: {old!r}"

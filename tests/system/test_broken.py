@@ -84,7 +84,7 @@ def test_broken_without_being_in_two(whole, figures):
     modes = {int(r["step"]): r["mode"] for r in rows(whole.directory)}
     assert {m for s, m in modes.items() if s < since} == {"intact"} and "intact" not in {m for s, m in modes.items() if s >= since}
     told = re.findall(
-        r"bond 1 of grains 1 and 2: (\w+), \d+ points failed, and less than 1 % of its largest load is left since step (\d+) though "
+        r"bond 1 of grains 1 and 2: (\w+), \d+ points failed, and less than 1 % of its peak load is left since step (\d+) though "
         r"(\d+) of (\d+) points of its weakest section are intact; of the fracture surface",
         whole.output,
     )[-1]

@@ -82,9 +82,15 @@ def test_whole_script(script, tmp_path):
     assert len(table) > 2 and table[-1, 0] == steps and np.isfinite(table).all() and (np.ptp(table, axis=0)[2:] > 0).any()
 
 
+def rows_of(text):
+    """Rows of thermo output of the first script, by step."""
+    return {int(r.split()[0]): r for r in re.findall(r"^ +\d+(?: +\S+){6} *$", text, re.M)}
+
+
 def test_first_script(tmp_path):
-    """README's first script pulls the pair apart, under heads that are words, and what it shows for a restart file
-    goes on from the middle to the same end."""
+    """README's first script pulls the pair apart, under heads that are words, without a warning, and prints what README shows. What
+    howto_examples.md shows for a restart file goes on from the middle to the same end."""
+    readme = (ROOT / "README.md").read_text()
     first = next(t for page, t in blocks("liggghts") if page.name == "README.md")
     ((_, text),) = blocks("liggghts-restart")
     whole = run(first, tmp_path)
@@ -92,16 +98,35 @@ def test_first_script(tmp_path):
     rows = []
     for result in (whole, continued):
         (heads,) = set(re.findall(r"^ +Step .*$", result.output, re.M))
-        assert heads.split() == ["Step", "Time", "gap_um", "tension", "failed", "apart"]
+        assert heads.split() == ["Step", "Time", "gap_um", "tension", "peak", "failed", "apart"]
         (mode,) = re.findall(r"^fix mpm \(id cem\): bond 1 of grains 1 and 2: (\w+), ", result.output.split("Setting up run")[-1], re.M)
-        assert mode in ("debonding", "internal", "mixed")
-        rows.append({int(r.split()[0]): r for r in re.findall(r"^ +\d+(?: +\S+){5} *$", result.output, re.M)})
+        assert mode == "debonding" and f"bond 1 of grains 1 and 2: {mode}, " in readme
+        assert "WARNING" not in result.output
+        rows.append(rows_of(result.output))
     assert list(rows[0]) == list(range(0, 1100, 100)) and list(rows[1]) == list(range(400, 1100, 100))
     assert all(rows[0][step] == row for step, row in rows[1].items()), rows
-    table = [[float(w) for w in r.split()] for r in rows[0].values()]
-    tension, apart = ([r[i] for r in table] for i in (3, 5))
-    assert max(tension) > 100 and abs(tension[-1]) < 0.1 * max(tension)
+    table, shown = (np.array([[float(w) for w in r.split()] for r in found.values()]) for found in (rows[0], rows_of(readme)))
+    tension, peak, apart = table[:, 3], table[:, 4], table[:, 6]
+    assert tension[4] > 0.99 * peak[-1] > 150 and abs(tension[-1]) < 0.02 * peak[-1]
     assert apart[4] == 0 and apart[-1] == 1, "the restart file is to be written before the bond is separated"
+    assert shown[:5, 1:4] == pytest.approx(table[:5, 1:4], rel=1e-3) and shown[:, 4] == pytest.approx(peak, rel=1e-3)
+    assert (shown[:, [0, 6]] == table[:, [0, 6]]).all()
+
+
+def test_first_script_is_converged(tmp_path):
+    """Two thirds of cell and spacing change the peak of README's first script by less than 3 %, by what README says."""
+    first = next(t for page, t in blocks("liggghts") if page.name == "README.md")
+    first = first[: first.index("run          400")] + "run 500\n"  # past the peak
+    finer = first
+    for old, new in (("spacing 1e-4", "spacing 6.66666667e-5"), ("cell 2e-4", "cell 1.33333333e-4"), ("run 500", "run 750")):
+        assert finer.count(old) == 1
+        finer = finer.replace(old, new)
+    coarse, fine = (
+        float(list(rows_of(run(script, tmp_path / name).output).values())[-1].split()[4]) for name, script in (("as it is", first), ("finer", finer))
+    )
+    said = re.findall(r"^\| above.*\| ([\d.]+) \| (?:([+-][\d.]+) %)? ?\|$", (ROOT / "README.md").read_text(), re.M)
+    assert abs(fine / coarse - 1) < 0.03
+    assert [float(n) for n, _ in said] == pytest.approx([coarse, fine], rel=1e-3) and float(said[1][1]) == pytest.approx(100 * (fine / coarse - 1), abs=0.1)
 
 
 def test_lines_of_the_specimen():

@@ -202,7 +202,7 @@ def test_section_left_of_an_intact_bond(case, made, tmp_path, figures):
             ranks,
         )
         lines.append(lines_of_modes(done.output)[-1])
-        assert done.output.count("'cracks split' of fix mpm separates them") == 1, "the cure is told once"
+        assert done.output.count("with 'cracks split' of fix mpm they do not") == 1, "the cure is told once"
     assert lines[0] == lines[1] and ": intact, " in lines[0]
     found = AHEAD.search(lines[0])
     assert found, lines[0]

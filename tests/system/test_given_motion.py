@@ -2,7 +2,7 @@
 """What acts on a bond besides the pull of its grains: weight, spins that are prescribed, torques of fixes that come later."""
 import numpy as np
 import pytest
-from scenes import CONTACT, cement, edit, pair, point_quantities, run, thermo
+from scenes import CONTACT, cement, edit, pair, point_quantities, run, thermo, uncoupled
 
 DENSITY, CELL, RING = 2710.0, 4e-4, "inner 1.4e-3 outer 2.2e-3"
 
@@ -11,8 +11,8 @@ DENSITY, CELL, RING = 2710.0, 4e-4, "inner 1.4e-3 outer 2.2e-3"
 def test_weight(scale, tmp_path, figures):
     """Cement that falls alone: `quasistatic` multiplies its inertia by S, not its weight, so that it falls with g/S."""
     g, dt, steps = 9.81e4, 1e-8, 200
-    fixes = edit(cement(CELL, dt), "fix          bond grains mpm/couple cem kn auto kt auto\n", "")
-    fixes = edit(fixes, f"mpm cell {CELL}", f"mpm cell {CELL} quasistatic {scale} 0")
+    fixes = uncoupled(cement(CELL, dt))
+    fixes = edit(fixes, f"cell {CELL}", f"cell {CELL} quasistatic {scale} 0")
     script = pair(CELL / 2, cement=RING) + fixes + "fix hold grains freeze\n"
     script += f"fix weight calcite gravity {g} vector 0.6 0 -0.8\n" + point_quantities(["volume"])
     script += "compute V calcite reduce sum c_volume\n"

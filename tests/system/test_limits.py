@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import CALCITE, NEIGHBOURS, cement, edit, host, launch, pair, pull, run
+from scenes import CALCITE, cement, edit, host, launch, pair, pull, run
 
 ROOT = Path(__file__).parents[2]
 FREE = "fix m grains nve/sphere\n"

@@ -2,7 +2,7 @@
 """What is lost stops the run: exit status not 0, and one message on the screen, which is a file here, and
 in the log, on one rank and on two."""
 import pytest
-from scenes import cement, edit, hosted, launch, pair, pull, restarted, run, thermo
+from scenes import cement, edit, hosted, launch, pair, pull, restarted, run, thermo, uncoupled
 
 GOOD = pair(2e-4) + cement(4e-4, 1e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9 check 5") + pull(1.0, 1e-6) + "run 20\n"
 RUN = "run 20\n"
@@ -33,13 +33,14 @@ def with_force(words):
     return FREE + [(RUN, BAD + f"fix load second addforce {words}\n" + RUN)]
 
 
+UNCOUPLED = [("fix          bond grains mpm/couple cem kn auto kt auto\n", ""), ("calcite mpm ", "calcite mpm coupling none ")]
 # name: (changes as (old, new), words that the message has to hold)
 CASES = {
     # out of the box or the grid
     "points leave the box": (FLY + [(RUN, "run 3000\n")], ["fix mpm (id cem)", "left the simulation box", "larger"]),
     "points leave the box, updated": (UPDATED + FLY + [(RUN, "run 3000\n")], ["fix mpm (id cem)", "left the simulation box", "larger"]),
     "points leave the box, unstable": (
-        [("fix          bond grains mpm/couple cem kn auto kt auto\n", ""), (RUN, "velocity calcite set 1e6 0 0\n" + RUN)],
+        [*UNCOUPLED, (RUN, "velocity calcite set 1e6 0 0\n" + RUN)],
         ["fix mpm (id cem)", "left the simulation box", "moves 2.5 cells a step", "smaller time step"],
     ),
     "points leave the grid": (
@@ -76,7 +77,7 @@ CASES = {
     ),
     "without the coupling": (
         [
-            ("fix          bond grains mpm/couple cem kn auto kt auto\n", ""),
+            *UNCOUPLED,
             (RUN, 'variable bad atom "cos(exp(4000*(x>0)))"\nvelocity calcite set v_bad 0 0\n' + RUN),
         ],
         ["fix mpm (id cem)", "not finite"],
@@ -342,7 +343,7 @@ def test_commands_that_leave_grains_where_they_are(tmp_path):
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_gravities_add_up(tmp_path, ranks):
-    script = edit(edit(GOOD, "fix          bond grains mpm/couple cem kn auto kt auto\n", ""), HOLD + PULL, "")
+    script = edit(uncoupled(GOOD), HOLD + PULL, "")
     script = edit(
         script,
         RUN,

@@ -91,6 +91,23 @@ def test_strength_and_threshold(figures):
     figures.below("four times the strength, a sixteenth of B0", abs(stronger["B0"] / weaker["B0"] / 16 - 1), 1e-4)
 
 
+@pytest.mark.parametrize("words", [{}, {"isotropic": "7e10 0.3"}, {"grain_density": "2400"}], ids=["sand", "isotropic", "density"])
+def test_command_of_the_calibration(words):
+    """Its bonds carry the same tension over the square of the diameter, whatever moduli and density are asked for."""
+    text, _ = lines(**words)
+    content, B0 = (float(re.search(rf"{w}[ =](\S+)", text.splitlines()[-1])[1]) for w in ("--contents", "strength"))
+    beads, values = lines(diameter="3.7e-3", grain_density="2500", calcite=f"{content * 4.3:.17g}")
+    tension = told(beads, "tension that breaks a bond")[0] * math.sqrt(B0 / values["B0"])
+    assert abs(tension / told(text, "tension that breaks a bond")[0] / (3.7e-3 / 3e-4) ** 2 - 1) < 1e-3
+
+
+def test_measured_as_predicted():
+    """A specimen that is as strong as the ratio of the tool says leaves B0 as it is."""
+    text, values = lines()
+    stress = 1.45 * (1 - 0.483) * 4.1 * told(text, "tension that breaks a bond")[0] / (math.pi * 3e-4**2)
+    assert abs(lines(measured=f"{stress:.17g}")[1]["B0"] / values["B0"] - 1) < 1e-3
+
+
 def test_interface(tmp_path, figures):
     """An interface of the strength that the tool names has the bond debond at about the tension at which weaker cement breaks inside."""
     text, values = lines()
@@ -134,6 +151,8 @@ def test_content_of_a_packing(tmp_path, figures):
         ({"ucs": "-1"}, "--ucs: -1: .*above 0"),
         ({"ucs": "nan"}, "--ucs: nan: .*above 0"),
         ({"ucs": "0.3MPa"}, "--ucs: 0.3MPa: .*in Pa"),
+        ({"ucs": "0.3"}, "--ucs 0.3: cement of a tensile strength of .* Pa follows; check that the UCS is in Pa"),
+        ({"ucs": "1e11"}, "--ucs 1e.11: cement of a tensile strength of .* Pa follows; check that the UCS is in Pa"),
         ({"diameter": "0"}, "--diameter: 0: .*in m, must be above 0"),
         ({"void-ratio": "-1"}, "--void-ratio: -1: "),
         ({"porosity": "0.4"}, "not allowed with"),

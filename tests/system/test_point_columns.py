@@ -6,7 +6,7 @@ that there are three grains and bonds with origins of their own.
 """
 import numpy as np
 import pytest
-from scenes import CALCITE, RADIUS, cement, dump, edit, pair, point_quantities, run
+from scenes import CALCITE, RADIUS, cement, dump, edit, pair, point_quantities, run, uncoupled
 
 DT, SPACING, INNER, OUTER = 1e-8, 2e-4, 1.4e-3, 2.2e-3
 COMPONENTS = ["xx", "yy", "zz", "yz", "xz", "xy"]
@@ -25,7 +25,7 @@ def moved(F, tmp_path, **words):
     third = f"create_atoms 1 single 0 0 {3 * RADIUS} units box\n"
     text = edit(text, "set          type 1", third + "set          type 1")
     text += f"create_cement calcite pair 2 3 shape flat inner {INNER} outer {OUTER} film grid spacing {SPACING}\n"
-    fixes = cement(2 * SPACING, DT, **words).replace("fix          bond grains mpm/couple cem kn auto kt auto\n", "")
+    fixes = uncoupled(cement(2 * SPACING, DT, **words))
     text += fixes + "fix hold grains freeze\n"
     for i, v in enumerate(("vx", "vy", "vz")):
         text += f'variable {v} atom "{L[i, 0]:.17g}*x+{L[i, 1]:.17g}*y+{L[i, 2]:.17g}*z"\n'

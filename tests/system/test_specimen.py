@@ -74,7 +74,7 @@ def test_specimen(cemented, tmp_path, figures):
     figures.below("specimen: energy imbalance", abs(curve["imbalance"][1:]).max(), 0.015)
 
     apart = [r["mode"] for r in last if float(r["separated"]) > 0]
-    (told,) = re.findall(r"^fix mpm \(id cem\): of (\d+) bonds points failed in \d+, .*: (.*)$", result.output, re.M)[-1:]
+    (told,) = re.findall(r"^fix mpm \(id cem\): \d+ of (\d+) bonds have points that failed, .*: (.*)$", result.output, re.M)[-1:]
     modes = {mode: int(n) for n, mode in re.findall(r"(\d+) (\w+)", told[1])}
     assert int(told[0]) == len(last)
     # one more check follows the last row, at the end of a run

@@ -100,7 +100,12 @@ def test_auto_never_lengthens(tmp_path):
 def test_auto_keeps_a_stable_step(tmp_path):
     """Pieces that separate have another limit. A step that is below it stays, since motion by step*dt would jump with it."""
     first = re.search(r"```liggghts\n(.*?)```", README.read_text(), re.S)[1]
-    for old, new in (("timestep     1.5e-8\n", ""), ("B0 9.6e3\n", "B0 9.6e3 timestep auto 0.9\n")):
+    for old, new in (
+        ("content 0.01 inner 1.5e-3", "inner 1e-3 outer 2e-3"),
+        (" regularization nonlocal 2e-4 energy 10 timestep auto 0.7", " timestep auto 0.9"),  # the limit of split nodes is not the same
+        ("z equal 2500*", "z equal 5000*"),
+        ("w equal 5000*", "w equal 10000*"),
+    ):
         first = edit(first, old, new)
     result = run(first[: first.index("run          400")] + thermo(50, ["dt", "v_apart"]) + "run 150\n" + 4 * "run 100\n", tmp_path)
     t = result.table()
@@ -119,10 +124,10 @@ def test_auto_of_a_restart(tmp_path):
         assert abs(run(again, tmp_path).table()["dt"][-1] / (expected * first) - 1) < 1e-4
 
 
-@pytest.mark.parametrize("words, share", [("", 0.8), ("mass_order 2", 0.75), ("unilateral yes", 0.6)])
+@pytest.mark.parametrize("words, share", [("", 0.7), ("mass_order 2", 0.7), ("unilateral yes", 0.6)])
 def test_auto_warns_of_splits(words, share, tmp_path):
     script = pair(CELL / 2) + edit(
-        cement(CELL, 1e-9, damage="damage tensor B0 9.6e3 cutoff 0.9"), "mpm cell 0.0002", f"mpm cell 0.0002 timestep auto 0.81 cracks split {words}"
+        cement(CELL, 1e-9, damage="damage tensor B0 9.6e3 cutoff 0.9"), "mpm cell 0.0002", f"mpm cell 0.0002 timestep auto 0.71 cracks split {words}"
     )
     assert f"use 'timestep auto {share}' or less" in run(script + "fix hold grains freeze\n" + 2 * "run 1\n", tmp_path).output
 

@@ -27,7 +27,7 @@ WORDS = ["--pressures", "", "--tests", "compression", "--jobs", "1"]
 ALL = {"frames": "1", "beyond": "1.15", "speed": str(SPEED), "record": str(RECORD)}
 RUNS = {
     "resolved": {"condense": "no"},
-    "resolved, half the step": {"condense": "no", "step": "0.4", "record": str(2 * RECORD)},
+    "resolved, half the step": {"condense": "no", "step": "0.05", "record": str(2 * RECORD)},
     "resolved, faster by 1e-6": {"condense": "no", "speed": repr(SPEED * (1 + 1e-6))},
     "resolved, faster by 1e-3": {"condense": "no", "speed": repr(SPEED * (1 + 1e-3))},
     "condensed": {},

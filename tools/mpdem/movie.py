@@ -104,4 +104,4 @@ def curve(ax, bond, step, end):
     ax.set_ylabel("tension (N)", fontsize=8.5)
     ax.tick_params(labelsize=8)
     state = "separated" if bond.at(step, "separated") >= 1.0 else f"{bond.at(step, 'failed'):.0f} points failed"
-    ax.set_title(f"{bond.at(step, 'tension'):.0f} N, {state}", loc="left", fontsize=8.5, pad=4)
+    ax.set_title(f"{round(bond.at(step, 'tension'))} N, {state}", loc="left", fontsize=8.5, pad=4)

@@ -88,7 +88,7 @@ void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
   grid.halo.sum(volume_.data(), 1);
 }
 
-void CrackFaces::add_force(const PointStore& points, Grid& grid, const SharedList<double>& added, double kick, double dt) {
+void CrackFaces::add_contact_force(const PointStore& points, Grid& grid, const SharedList<double>& added, double kick, double dt) {
   touching_ = 0;
   largest_penetration_ = 0.0;
   if (pairs_.empty()) return;

@@ -45,18 +45,18 @@ class CrackFaces : public BondMechanism {
   // of a copy.
   CrackFaces(const PointStore& points, const Grid& grid, const KeyOf& at_start, double friction);
 
-  void add_contact(const BondContext& b) override { add_force(b.points, b.grid, b.added_mass, b.kick, b.dt); }
+  void add_contact(const BondContext& b) override { add_contact_force(b.points, b.grid, b.added_mass, b.kick, b.dt); }
   void add_friction_power(const Grid& grid, Power& sum) const override { sum.add(power(grid)); }
   std::string trouble(const PointStore& points, Grid& grid, long step) const override;
 
   // Collective among the ranks that share the nodes, all of which have all copies. Adds the forces of the pairs to
   // those of the nodes, which are complete. added: added mass of the nodes, or an empty list. The next step changes
   // velocities by kick times the acceleration and lasts dt.
-  void add_force(const PointStore& points, Grid& grid, const SharedList<double>& added, double kick, double dt);
+  void add_contact_force(const PointStore& points, Grid& grid, const SharedList<double>& added, double kick, double dt);
   // Power that the forces of the pairs dissipate, at the nodes that this rank counts. Power::after() gives it for
   // velocities ahead of the stored ones.
   Power power(const Grid& grid) const;
-  // Collective as add_force(). Largest slip above a cell of pairs that would touch in the last step, and whose material
+  // Collective as add_contact_force(). Largest slip above a cell of pairs that would touch in the last step, and whose material
   // is connected to a grain; 0: none.
   double slid_too_far(const PointStore& points, Grid& grid) const;
   double largest_penetration() const { return largest_penetration_; }  // deepest overlap of a pair in the last step

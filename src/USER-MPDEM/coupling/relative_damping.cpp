@@ -104,7 +104,7 @@ RelativeDamping::Moving RelativeDamping::move(const Eight& e, const Grid& grid, 
   return m;
 }
 
-void RelativeDamping::add_force(Grid& grid, BondEnd* ends) const {
+void RelativeDamping::slow_nodes(Grid& grid, BondEnd* ends) const {
   EightLoads loads[2];
   for (const Eight& e : eights_) {
     const Moving m = move(e, grid, ends);

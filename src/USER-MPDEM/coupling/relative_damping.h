@@ -42,12 +42,12 @@ class RelativeDamping : public BondMechanism {
   // critical_share: share of critical damping. Nothing is damped before follow_grains().
   RelativeDamping(const BondRecord& record, double critical_share, double shear_speed);
   void follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) override;
-  void add_damping(const BondContext& b) override { add_force(b.grid, b.ends); }
+  void add_damping(const BondContext& b) override { slow_nodes(b.grid, b.ends); }
   void add_damping_power(const Grid& grid, const BondEnd* ends, Power& sum) const override { sum.add(power(grid, ends)); }
   static double rate(double thickness, double critical_share, double shear_speed);
 
   // Adds the force to nodes after their sum over ranks, and the reaction to grains before their sum over ranks.
-  void add_force(Grid& grid, BondEnd* ends) const;
+  void slow_nodes(Grid& grid, BondEnd* ends) const;
   // Power that damping dissipates at the nodes that this rank counts (mpm/power.h): its force with the velocity, and
   // with the acceleration. The force is that of the stored velocity.
   Power power(const Grid& grid, const BondEnd* ends) const;

@@ -36,7 +36,7 @@ SurfaceBand::SurfaceBand(const DamageParameters& p, double length) : SurfaceBand
   const std::optional<Localisation> band = localise(softening_curve(p), p.Dcut);
   if (!band) return;  // the energy of a crack is not known then
   energy_ = std::sqrt(2.0) * p.B0 * band->energy * length;
-  surface_ = nonlocal_exponent(p, 2.0 * energy_, length);
+  surface_ = nonlocal_exponent(p, kBandsOfSurface * energy_, length);
   thin_ = half_band(p, surface_, length);
   for (int k = 0; k <= kTable; ++k) {
     of_thickness_[k] = exponent_of_layer(p, energy_, thin_ * std::max(k, 1) / kTable);

@@ -34,8 +34,8 @@ class SurfaceBand {
  public:
   // One exponent for all points.
   explicit SurfaceBand(double exponent = 0.0) : middle_(exponent), surface_(exponent) {}
-  // For a material with these parameters and this length. Throws std::domain_error, with the allowed range of twice the
-  // energy, if no exponent spends the energy of a crack at a surface, see nonlocal_exponent().
+  // For a material with these parameters and this length. Throws std::domain_error if no exponent
+  // spends the energy of a crack at a surface, see nonlocal_exponent().
   SurfaceBand(const DamageParameters& p, double length);
 
   bool depends_on_position() const { return thin_ > 0.0; }

@@ -96,7 +96,7 @@ SofteningCurve softening_curve(const DamageParameters& p) {
   return {[](double x) { return SofteningCurve::Value{2.0 * x, 2.0}; }, [rate](double x) { return SofteningCurve::Value{rate * x, rate}; }};
 }
 
-double nonlocal_exponent(const DamageParameters& p, double G_f, double length) {
+double nonlocal_exponent(const DamageParameters& p, double G_f, double length, double most_times) {
   // Outside this range the band is not resolved by cells of the length, or is as wide as nine lengths.
   constexpr double kLeast = -0.5, kMost = 2.0;
   const double unit = std::sqrt(2.0) * p.B0 * length;
@@ -112,11 +112,11 @@ double nonlocal_exponent(const DamageParameters& p, double G_f, double length) {
   };
   const double wanted = std::log(G_f / unit);
   double lo = kLeast, hi = kMost, at_lo = log_energy(lo), at_hi = log_energy(hi);
-  if (!(wanted >= at_lo && wanted <= at_hi)) {
+  if (!(wanted >= at_lo && wanted + std::log(most_times) <= at_hi)) {
     throw std::domain_error(text_of("the fracture energy ", G_f, " cannot be spent on a crack with the length ", length,
                                     ": with this B0 and cut-off it must lie between ", unit * std::exp(at_lo), " and ",
-                                    unit * std::exp(at_hi), ", or for this energy the length between ", length * std::exp(wanted - at_hi),
-                                    " and ", length * std::exp(wanted - at_lo)));
+                                    unit * std::exp(at_hi) / most_times, ", or for this energy the length between ",
+                                    length * most_times * std::exp(wanted - at_hi), " and ", length * std::exp(wanted - at_lo)));
   }
   // The logarithm is nearly a straight line, so this uses secants, with a bisection every third time.
   double m = lo;
@@ -169,7 +169,7 @@ std::string TensorDamage::report(double cell) const {
 
 void TensorDamage::set_nonlocal(double length, double G_f) {
   Law::set_nonlocal(length, G_f);
-  if (G_f > 0.0) p_.exponent = nonlocal_exponent(p_, G_f, length);
+  if (G_f > 0.0) p_.exponent = nonlocal_exponent(p_, G_f, length, kBandsOfSurface);
   crack_energy_ = G_f;
   // without an energy to keep, the law stays as it was given
   surface_band_ = length > 0.0 && G_f > 0.0 ? SurfaceBand(p_, length) : SurfaceBand(p_.exponent);

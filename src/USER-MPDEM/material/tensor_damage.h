@@ -58,9 +58,11 @@ double crack_cell_exponent(const DamageParameters& p, double G_f, double cell);
 
 // Curve of uniaxial tension: strain over stress is (1 - D)^-2, and the threshold of the strain is (1 - D)^(-(1+m)/2).
 SofteningCurve softening_curve(const DamageParameters& p);
+// Half of the band of a crack along a grain lies in the grain. So the material there spends this many times the energy.
+constexpr double kBandsOfSurface = 2.0;
 // Exponent m, in [-1/2, 2], that spends G_f on a crack if strain is averaged over a length. Throws as
-// crack_band_exponent() does.
-double nonlocal_exponent(const DamageParameters& p, double G_f, double length);
+// crack_band_exponent() does, also if there is none for most_times times that energy.
+double nonlocal_exponent(const DamageParameters& p, double G_f, double length, double most_times = 1.0);
 
 // Strength by theory, for example s = E e0^4/e^3 past the onset for exponent 0.
 ImpliedStrength implied_strength(const DamageParameters& p, double E);

@@ -32,7 +32,7 @@ struct Damped : Scene {
     ends.clear_forces();
     for (Bond& b : bonds) {
       b.grid.clear_force();
-      relaxation(b).add_force(b.grid, ends_of(b));
+      relaxation(b).slow_nodes(b.grid, ends_of(b));
     }
     return forces();
   }

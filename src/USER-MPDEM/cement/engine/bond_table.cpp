@@ -91,7 +91,7 @@ std::vector<BondColumn> columns() {
       {"friction_energy", "energy that friction took of all bonds", &CementTotals::frictional},
       {"touching_grain1", "share of that area that debonded and touches the first grain again", touching_share<0>},
       {"touching_grain2", "the same at the second grain", touching_share<1>},
-      {"broken", "1 once separated or without any load left, else 0", &BondState::broken},
+      {"broken", "1 once separated or below 1 % of the peak load, else 0", &BondState::broken},
       {"kinetic_share", "kinetic share of the energy of free grains and all cement", &CementTotals::kinetic_share},
       {"unbalanced_force", "unbalanced force of all free grains over the mean force of bonds and contacts",
        &CementTotals::unbalanced_force},

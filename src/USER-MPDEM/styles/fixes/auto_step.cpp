@@ -57,7 +57,7 @@ void AutoStep::report_substeps(const CementOptions& o) {
 
 // Nodes at the edge of a new crack are not constrained, so cracks shorten the stable step.
 void AutoStep::warn_of_splitting(const CementOptions& o) {
-  const double most = !o.split ? 1.0 : o.unilateral ? 0.6 : o.mass_order > 1 ? 0.75 : 0.8;
+  const double most = !o.split ? 1.0 : o.unilateral ? 0.6 : 0.7;
   if (share_ <= most || splitting_reported_) return;
   splitting_reported_ = true;
   mpdem::warn(lmp, text_of(who_, "'timestep auto ", share_,
