@@ -17,7 +17,9 @@ fix g3 all property/global coefficientRestitution peratomtypepair 2 0.5 0.5 0.5 
 fix g4 all property/global coefficientFriction peratomtypepair 2 0.3 0.3 0.3 0.3
 """
 HERTZ = GLASS + "pair_style gran model hertz tangential history\npair_coeff * *\n"
-LIQUID = GLASS + """\
+LIQUID = (
+    GLASS
+    + """\
 fix l1 all property/global surfaceLiquidContentInitial scalar 1.0
 fix l2 all property/global surfaceTension scalar 0.073
 fix l3 all property/global fluidViscosity scalar 0.001
@@ -27,11 +29,14 @@ fix l6 all property/global maxSeparationDistanceRatio scalar 1.1
 pair_style gran model hertz tangential history cohesion easo/capillary/viscous
 pair_coeff * *
 """
+)
 CREATE = re.compile(r"create_cement .*\n")
 
 
 def scene(more="", **options):
-    return edit(pair(2e-4, **options), "units        si\n", "units        si\nhard_particles yes\n").replace("neigh_modify include grains", more + "neigh_modify include grains")
+    return edit(pair(2e-4, **options), "units        si\n", "units        si\nhard_particles yes\n").replace(
+        "neigh_modify include grains", more + "neigh_modify include grains"
+    )
 
 
 def literals():
@@ -92,7 +97,9 @@ def test_healing(tmp_path):
     """A separated bond loses its cement, and the pair gets new cement."""
     script = scene(half_box=(6e-3, 6e-3, 2e-2)) + cement(4e-4, 3e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3") + pull(0.2, 2e-6)
     made = CREATE.search(script)[0]
-    output = run(script + f'run 500\nprint "Q $(f_bond[22])"\ndelete_atoms group calcite compress no\nrun 0\n{made}run 20\nprint "P $(f_cem[1])"\n', tmp_path).output
+    output = run(
+        script + f'run 500\nprint "Q $(f_bond[22])"\ndelete_atoms group calcite compress no\nrun 0\n{made}run 20\nprint "P $(f_cem[1])"\n', tmp_path
+    ).output
     assert re.search(r"^Q 1$", output, re.M) and float(re.search(r"^P (\d+)", output, re.M)[1]) > 500
 
 
