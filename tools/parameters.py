@@ -92,7 +92,13 @@ def arguments():
     moduli.add_argument(
         "--vti", type=float, nargs=5, default=CALCITE, metavar=("EP", "EZ", "NU_P", "NU_ZP", "GZP"), help="transversely isotropic set (that of calcite)"
     )
-    p.add_argument("--zeta", type=number(0, 1.0000001, "tensile over compressive strength of the cement"), default=0.1, metavar="Z", help="0.1")
+    p.add_argument(
+        "--zeta",
+        type=number(0, 1.0000001, "tensile over compressive strength of the cement"),
+        default=0.1,
+        metavar="Z",
+        help="tensile over compressive strength of the cement (0.1)",
+    )
     p.add_argument(
         "--energy",
         type=number(0, above, "fracture energy in J/m2"),
@@ -107,7 +113,7 @@ def arguments():
         "--measured",
         type=number(0, above, "unconfined compressive strength in Pa"),
         metavar="PA",
-        help="strength that the command in the last line gave with these words; corrects B0",
+        help="strength that the command in the last line gave, as printed without --measured; corrects B0",
     )
     return p.parse_args()
 
@@ -298,11 +304,12 @@ class Parameters:
             head.append(f"                               {a.energy:g} J/m2 is above the range: the largest is taken; a bond hardly gets stronger with more")
         head.append(f"  tension that breaks a bond   {self.force:.4g} N" + ("" if self.film else ", if all of it were film; cement in cells carries less"))
         ratio_of = "by the measured strength" if a.measured else "specimens of doc/specimen.md, 1.16 to 1.69"
+        ratio_of += " without energy; 2.9 in one run with it" if a.energy and not a.measured else ""
         head += [
             "estimate",
             f"  UCS over the stress of Rumpf {self.ratio:.3g}   {ratio_of}; sets B0",
             f"  strain at the peak           {self.strain:.2g}   of the model, not of the laboratory; sets the speed",
-            f"  speed of the plate           {self.speed:.2g} m/s, kinetic share {SHARE:g} at half of the peak",
+            f"  speed of the plate           {self.speed:.2g} m/s, kinetic share {SHARE:g} at half of the peak; fix mpm may warn, see Speed in doc/howto_parameters.md",
             f"  strength of an interface     {self.force / b.attached:.3g} Pa, if bonds debond at the same tension",
         ]
         lines = [f"# {line}".rstrip() for line in head] + [""]
@@ -327,12 +334,17 @@ class Parameters:
             "",
             "# Measure the UCS with 80 beads, of several packings (--set seed=PRIME), then give --measured PA, their mean. The beads of the example",
             f"# are {EXAMPLE['diameter'] / a.diameter:.4g} times as large as the grains; all lengths, and the energy, are multiplied by that, and stresses stay.",
+            f"# Their porosity is {EXAMPLE['porosity']:g}, with {EXAMPLE['coordination']:g} bonds on a bead: expect a mean UCS of {self.expected():.3g} Pa, with which --measured compares.",
             f"#   {self.calibration()}",
         ]
         return "\n".join(lines)
 
     def regularization(self):
         return "regularization nonlocal ${length} energy ${energy} " if self.energy > 0.0 else ""
+
+    def expected(self):
+        """UCS of the specimens of the example with these bonds, Pa: tension over the square of the diameter is the same for grains and beads."""
+        return self.ratio * rumpf(self.force, self.args.diameter, EXAMPLE["porosity"], EXAMPLE["coordination"])
 
     def calibration(self):
         """Command for bonds of this shape and strength between the beads of the example, whose cement has the moduli of calcite."""

@@ -303,7 +303,9 @@ TEST(Film, FacesBetweenUnequalGrains) {
     for (const Link& k : f.film.points.links) area += 0.5 * k.area;
     EXPECT_GT(dissipated, 0.9 * Gn * area);
     EXPECT_LT(dissipated, 2.1 * Gn * area);
-    if (way[0] == 0.0) EXPECT_LT(dissipated, 1.15 * Gn * area);
+    if (way[0] == 0.0) {
+      EXPECT_LT(dissipated, 1.15 * Gn * area);
+    }
   }
 }
 

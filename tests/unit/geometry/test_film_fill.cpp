@@ -127,7 +127,9 @@ TEST(FilmFill, NeighboursTakeWhatIsNearerToThem) {
   for (std::size_t n = 0; n < all.size(); ++n) {
     const double kept = rest[n].volume / all[n].volume;
     for (int k = 0; k < 2; ++k) EXPECT_NEAR(rest[n].link[k].area / all[n].link[k].area, kept, 1e-12);
-    if (all[n].X[0] < 0.8 * between) EXPECT_EQ(kept, 1.0) << all[n].X.transpose();
+    if (all[n].X[0] < 0.8 * between) {
+      EXPECT_EQ(kept, 1.0) << all[n].X.transpose();
+    }
     if (all[n].X[0] < 1.1 * between) continue;
     EXPECT_LT(kept, 0.8) << all[n].X.transpose();
     ++taken;

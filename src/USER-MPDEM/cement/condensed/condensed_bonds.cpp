@@ -91,13 +91,8 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
         model.add_node(b->grid.mass[i], position_of(b->grid, i), fields_at(s->fields, i));
   complete(comm, model);
   if (is_too_heavy(model, record))
-    throw BadState(
-        text_of("the static fields of the bond of grains ", record.grain[0], " and ", record.grain[1],
-                " are far off at nodes that are connected by almost nothing; use ",
-                record.point_template > 0
-                    ? "'points now' of create_cement, with which such a bond stays resolved, 'overlap skip' where neighbours trimmed it, "
-                    : "'edge tied' where edges are free, more intact points, ",
-                "or 'condense no'"));
+    throw BadState(text_of("the static fields of the bond of grains ", record.grain[0], " and ", record.grain[1],
+                           " are far off at nodes that are connected by almost nothing; use ", cure_of_loose_nodes(record)));
   if (!b) return s;
   const Film::Strains* const strains[] = {&s->fields.strain, &s->fields.strain_of_film};
   for (int n : {Bond::kOnGrid, Bond::kColumns}) {

@@ -13,6 +13,12 @@
 
 namespace mpdem {
 
+std::string cure_of_loose_nodes(const BondRecord& record) {
+  return record.point_template > 0 ? "'points now' of create_cement, with which such a bond stays resolved, 'overlap skip' where "
+                                     "neighbours trimmed it, or 'condense no'"
+                                   : "'edge tied' where edges are free, more intact points, or 'condense no'";
+}
+
 namespace {
 
 using Vector3 = Eigen::Vector3d;
@@ -22,7 +28,7 @@ using Motion = double[2][6];  // motions of both grains, about their centres
 // quarter of the steps reduced the energy by less than kDecline times it. The error of the fields is the root of that.
 // Nodes beside failed points have almost no stiffness and converge slowly, but hardly change the energy, so the limit
 // is larger with them.
-constexpr double kResidual = 1e-18, kDecline = 1e-16, kDeclineOfCracked = 1e-6;
+constexpr double kResidual = 1e-18, kDecline = 1e-14, kDeclineOfCracked = 1e-6;
 constexpr int kLeastSteps = 40;
 
 // Shift of the operator of static_displacement(): this share of the largest nodal ratio of stiffness to mass, times the
@@ -221,8 +227,8 @@ StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
           "the static equilibrium of ",
           system ? text_of("the bond of grains ", system->record.grain[0], " and ", system->record.grain[1]) : std::string("a bond"),
           " was not found in ", steps,
-          " steps, since nodes at its edge or between points that failed are connected by almost nothing; use 'edge tied' where "
-          "edges are free, or look at its points, elasticity and links"));
+          " steps, since nodes at its edge or between points that failed are connected by almost nothing; use ",
+          system ? cure_of_loose_nodes(system->record) : std::string("'edge tied' where edges are free")));
     bond.products += 2 + steps;
     equations.force(x, motion[j], force[j], load_of[j]);
     if (system) bond.strain[j] = strain_by(system->points, system->grid, x.data());

@@ -22,6 +22,7 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <string>
 #include <vector>
 
 #include "../../coupling/film.h"
@@ -67,6 +68,9 @@ struct StaticBond {
   int products = 0;                             // applications of the operator, for all fields
   std::size_t memory_usage() const;
 };
+
+// What to do about a bond with nodes that are connected by almost nothing, for messages.
+std::string cure_of_loose_nodes(const BondRecord& record);
 
 // Collective over comm, which has all ranks that share the bond. Each rank passes its share of the same bond, or null
 // if it has none. Throws BadState if the iteration does not converge.
