@@ -23,7 +23,7 @@ $(BUILD)/.setup: tools/setup.sh
 	touch $@
 
 # The flat pair pulled apart: figures on screen, CSV, PNG and GIF in $(DEMO). Those of doc/data/demo_* are made so.
-# Files are compiled several at a time, which takes half of the time of a first build.
+# Files are compiled several at a time, which shortens a first build.
 demo test: CMAKE_OPTIONS += -DMPDEM_UNITY=ON
 demo: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-"""What is too long for every change: `make stress`, every pair of options in other scenes, the changes of tests/changes, 20 minutes of fuzzing, and all tests of the preset `sanitize`.
+"""What is too long for every change: `make stress`, every pair of options in other scenes, the changes of tests/changes, 20 minutes of fuzzing, clang, clang-tidy, and all tests of the preset `sanitize`.
 
     tools/check_deep.py [--build build] [--jobs 2] [PIECE...]
 

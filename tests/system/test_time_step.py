@@ -114,6 +114,16 @@ def test_auto_keeps_a_stable_step(tmp_path):
     assert len(limits) == 4 and 0.9 * max(limits) > 1.005 * t["dt"][0] and t["dt"][0] < min(limits)  # nine tenths of it would be another step
 
 
+@pytest.mark.parametrize("words", ["", "mass_order 2", "edge free", "basis linear", "quasistatic 100 0"])
+def test_step_that_the_start_tells(words, tmp_path, figures):
+    """With a step far below the limit its bound is enough for the run. What is told is near the limit that `timestep auto` finds precisely."""
+    script = pair(CELL / 2) + edit(cement(CELL, 1e-10), f"mpm cell {CELL}", f"mpm cell {CELL} {words}") + "fix hold grains freeze\n"
+    told = float(re.search(r"stable up to (?:about )?(\S+)", run(script + "run 1\n", tmp_path).output)[1])
+    auto = edit(script, f"mpm cell {CELL}", f"mpm cell {CELL} timestep auto 0.5") + thermo(1, ["dt"]) + "run 1\n"
+    limit = 2 * run(auto, tmp_path, name="in.auto").table()["dt"][-1]
+    figures.below(f"{words or 'defaults'}: step told at the start against the limit", abs(told / limit - 1), 0.03)
+
+
 def test_auto_of_a_restart(tmp_path):
     """A run from a restart file keeps the step with the same share or a larger one. A smaller share is obeyed."""
     start = pair(CELL / 2)

@@ -64,7 +64,7 @@ float damage_at_grain(const CrackPoint& p, int g) { return std::max(p.damage, p.
 // layer. Uses Dijkstra's search with the largest damage as the length of a path. Empty if there is no path.
 std::optional<float> damage_to_pass(const Neighbours& near, const std::vector<CrackPoint>& points) {
   using Ahead = std::pair<float, int>;
-  std::priority_queue<Ahead, std::vector<Ahead>, std::greater<Ahead>> front;
+  std::priority_queue<Ahead, std::vector<Ahead>, std::greater<>> front;
   std::vector<char> seen(points.size(), 0);
   const int second_grain = static_cast<int>(points.size());
   // A point beside the first grain may be reached over its links or, at less damage, over its neighbours.

@@ -136,7 +136,8 @@ std::string check_seal(const std::string& name, bool& sealed, Seal& seal) {
   std::vector<char> front(std::min<std::int64_t>(size, 4096));
   if (std::fread(front.data(), 1, front.size(), f.get()) != front.size()) return "read_restart: file '" + name + "' cannot be read" + cure;
   const std::string text(front.begin(), front.end());
-  if (text.find(std::string("mpdem", 6)) == std::string::npos) return "";
+  constexpr char kStyle[] = "mpdem";  // with the zero at its end, as in the file
+  if (text.find(std::string(kStyle, sizeof kStyle)) == std::string::npos) return "";
   const std::size_t at = text.find(std::string(AtomVecMpdem::kRestartMagic, sizeof AtomVecMpdem::kRestartMagic));
   int head[AtomVecMpdem::kRestartHead];
   const bool whole = at != std::string::npos && at + sizeof AtomVecMpdem::kRestartMagic + sizeof head <= text.size();

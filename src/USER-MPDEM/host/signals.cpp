@@ -7,9 +7,9 @@
 #include "signals.h"
 
 #include <mpi.h>
-#include <signal.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 

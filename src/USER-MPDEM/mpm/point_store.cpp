@@ -40,7 +40,7 @@ void each_field(Store& s, int b, Record& r, F f) {
 template <class InBlock, class InRecord>
 constexpr std::size_t components(const InBlock&, const InRecord&) {
   static_assert(sizeof(InBlock) == kLanes * sizeof(InRecord), "a lane of the block is the field of the record");
-  return sizeof(InRecord) / sizeof(double);
+  return sizeof(InRecord) / sizeof(double);  // NOLINT(bugprone-sizeof-expression): a field is a number or an array of numbers
 }
 
 PointBlock empty_block() {

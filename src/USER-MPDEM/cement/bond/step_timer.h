@@ -7,9 +7,9 @@
 #define MPDEM_CEMENT_BOND_STEP_TIMER_H
 
 #include <mpi.h>
-#include <time.h>
 
 #include <array>
+#include <ctime>
 
 namespace mpdem {
 

@@ -34,7 +34,8 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Bond
   const CondensedMotion motion(model_of(member), record, ends);
   const Vector3& middle = model_of(member).middle;
   const CondensedMotion::Vector12 v = motion.velocity(ends, later), a = motion.rate(ends);
-  const CondensedMotion::Vector6 d = motion.relative(), half = 0.5 * d;
+  const CondensedMotion::Vector6& d = motion.relative();
+  const CondensedMotion::Vector6 half = 0.5 * d;
   const Matrix3& Q = motion.axes();
   const Vector3 c = motion.middle(), w = motion.turning(ends);
   const auto rigid = [](const CondensedMotion::Vector6& g, const Vector3& Y) {

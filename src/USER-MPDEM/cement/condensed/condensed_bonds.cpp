@@ -92,7 +92,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   complete(comm, model);
   if (is_too_heavy(model, record))
     throw BadState(text_of("the static fields of the bond of grains ", record.grain[0], " and ", record.grain[1],
-                           " are far off at nodes that are connected by almost nothing; use ", cure_of_loose_nodes(record)));
+                           " are far off at nodes that are connected by almost nothing; ", kCureOfLooseNodes));
   if (!b) return s;
   const Film::Strains* const strains[] = {&s->fields.strain, &s->fields.strain_of_film};
   for (int n : {Bond::kOnGrid, Bond::kColumns}) {

@@ -13,12 +13,6 @@
 
 namespace mpdem {
 
-std::string cure_of_loose_nodes(const BondRecord& record) {
-  return record.point_template > 0 ? "'points now' of create_cement, with which such a bond stays resolved, 'overlap skip' where "
-                                     "neighbours trimmed it, or 'condense no'"
-                                   : "'edge tied' where edges are free, more intact points, or 'condense no'";
-}
-
 namespace {
 
 using Vector3 = Eigen::Vector3d;
@@ -226,9 +220,8 @@ StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
       throw BadState(text_of(
           "the static equilibrium of ",
           system ? text_of("the bond of grains ", system->record.grain[0], " and ", system->record.grain[1]) : std::string("a bond"),
-          " was not found in ", steps,
-          " steps, since nodes at its edge or between points that failed are connected by almost nothing; use ",
-          system ? cure_of_loose_nodes(system->record) : std::string("'edge tied' where edges are free")));
+          " was not found in ", steps, " steps, since nodes at its edge or between points that failed are connected by almost nothing; ",
+          kCureOfLooseNodes));
     bond.products += 2 + steps;
     equations.force(x, motion[j], force[j], load_of[j]);
     if (system) bond.strain[j] = strain_by(system->points, system->grid, x.data());

@@ -70,7 +70,9 @@ struct StaticBond {
 };
 
 // What to do about a bond with nodes that are connected by almost nothing, for messages.
-std::string cure_of_loose_nodes(const BondRecord& record);
+inline constexpr char kCureOfLooseNodes[] =
+    "use 'edge tied' where edges are free, more intact points or 'condense no', and for a bond whose points come later 'points now' or "
+    "'overlap skip' of create_cement";
 
 // Collective over comm, which has all ranks that share the bond. Each rank passes its share of the same bond, or null
 // if it has none. Throws BadState if the iteration does not converge.

@@ -224,7 +224,8 @@ void CementMaker::report(const Batch& batch) {
       host_.warn(text_of("pair ", batch.records[k].grain[0], " ", batch.records[k].grain[1], ": the cement is ", cells_across(kind),
                          " cells of two points across where cells resolve it, and its strength "
                          "depends on the spacing below ",
-                         kFewCells, "; use a spacing of at most ", wish_.spacing * cells_across(kind) / kFewCells, " to resolve it"));
+                         kFewCells, "; use a spacing of at most ", wish_.spacing * cells_across(kind) / kFewCells,
+                         narrow(kind) ? ", or a smaller 'inner'," : "", " to resolve it"));
   }
   if (batch.to < plan_.bonds().size() || listed_ <= kListed) return;
   host_.say(text_of("  ... and ", listed_ - kListed, " more bonds\n"));
@@ -236,6 +237,11 @@ void CementMaker::report(const Batch& batch) {
                        " cells of two points across where cells resolve them, the least ", coarse_.least,
                        ", and their strength depends on the spacing; use a spacing of at most ", wish_.spacing * coarse_.least / kFewCells,
                        " to resolve them"));
+}
+
+// True if an inner radius of the script leaves less width than thickness.
+bool CementMaker::narrow(const CementPlan::Kind& kind) const {
+  return wish_.inner_rule == CementRequest::given && wish_.inner > 0.0 && kind.width < kind.thickness;
 }
 
 // Cells of two points across thickness or width, whichever is less.

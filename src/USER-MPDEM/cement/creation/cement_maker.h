@@ -130,6 +130,7 @@ class CementMaker {
   void report(const Batch& batch);
   std::string report_of(std::size_t bond, const BondRecord& record);
   double cells_across(const CementPlan::Kind& kind) const;
+  bool narrow(const CementPlan::Kind& kind) const;
 
   // cement_fills.cpp
   void make_fills(const Batch& batch, BondTrouble& trouble);

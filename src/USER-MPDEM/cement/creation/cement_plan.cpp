@@ -124,6 +124,12 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
       break;
     }
     if (n == 0) read_words(wish_);
+    if (const double most = 0.5 * std::min(bond.pair.R1, bond.pair.R2); wish_.spacing > most) {
+      trouble.tell(n, geometry,
+                   prefix(bond) + text_of("'spacing ", wish_.spacing, "' is more than half the smaller radius, ", most,
+                                          ", too coarse for any bond; it is the distance of material points, in the units of the script"));
+      break;
+    }
     if (wish_.file.empty()) choose_axes(bond);  // points of a file lie along the axes of the box
     const std::string far = error_of_position(bond, wish_.spacing);
     if (!far.empty()) trouble.tell(n, position_of_points, prefix(bond) + far);
@@ -218,7 +224,7 @@ const Shape& CementPlan::shape_of(int kind) {
       const double to_content = wish_.density / grain_mass, asked = content->second;
       const bool per_cent = 0.01 * asked >= e.least * to_content && 0.01 * asked <= e.most * to_content;
       throw ShapeError(text_of("'content ", asked, "' must lie between ", e.least * to_content, " and ", e.most * to_content,
-                               " here: it is the mass of the cement over that of its two grains",
+                               " here: it is the mass of the cement, of density ", wish_.density, ", over that of its two grains",
                                per_cent ? text_of(" (", asked, " % is 'content ", 0.01 * asked, "')") : "", "; ", e.what()));
     }
   }

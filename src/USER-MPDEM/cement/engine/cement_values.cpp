@@ -40,9 +40,8 @@ const std::vector<CementValue>& cement_values() {
       {"external_work", "work of grains and gravity on the cement", field<&CementTotals::external_work>},
       {"energy_imbalance", "imbalance of the energy, relative; 0 at rest", field<&CementTotals::imbalance>},
       {"momentum_x",
-       "momentum, with that of impulses that grains get in the next step; with `transfer flip A` off by some 1e-6 of the relative motion "
-       "in "
-       "steps with a transfer, and back in the next",
+       "momentum, with that of impulses that grains get in the next step; with `transfer flip A` off by some 1e-6 of the relative "
+       "motion in steps with a transfer, and back in the next",
        momentum<0>},
       {"momentum_y", "the same along y", momentum<1>},
       {"momentum_z", "the same along z", momentum<2>},

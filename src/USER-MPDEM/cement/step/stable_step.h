@@ -30,7 +30,7 @@ class StableStep {
   // True with `updated` kinematics: points move within the cells, so only the bound is valid for later steps. The
   // functions above and below return the bound then.
   bool bound_alone() const;
-  // Largest stable step of the present state within some per cent and below the true one, for messages. Changes nothing.
+  // Largest stable step of the present state within some per cent, for messages. The known eigenvalue stays.
   double estimate() const;
   // Largest stable step for a known eigenvalue, with the share `relax` of critical damping. The stiffness of films
   // between the grains is included. Throws BadState if no step is stable.

@@ -37,6 +37,7 @@ enum Kind {
 
 // Prints the version once in each log. read_restart constructs the atom style a second time.
 AtomVecMpdem::AtomVecMpdem(LAMMPS* lmp) : AtomVecSphere(lmp) {
+  mpdem::forget_warnings();
   static FILE* told = nullptr;
   if (comm->me != 0 || (told && told == logfile)) return;
   told = logfile;
@@ -246,7 +247,7 @@ int AtomVecMpdem::pack_rows(int i, double* buf) {
   ++b.dealt;
   if (from == to) return 0;
   buf[0] = kNodes;
-  buf[1] = static_cast<double>((to - from) / kNumbersOfRow);
+  buf[1] = static_cast<int>((to - from) / kNumbersOfRow);
   std::copy(b.rows.begin() + from, b.rows.begin() + to, buf + 2);
   return static_cast<int>(2 + to - from);
 }
@@ -298,8 +299,8 @@ std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own)
   const double *state = buf + total - own, *end = buf + total - 1;
   const double *nodes = state, *nodes_end = state;
   if (state[0] == kNodes) {
-    const double most = static_cast<double>((end - state - 3) / kNumbersOfRow);
-    if (!found.check_whole("its number of nodes", state[1], mpdem::from(1.0, std::max(1.0, most)))) return found.trouble();
+    const auto most = std::max<std::ptrdiff_t>(1, (end - state - 3) / kNumbersOfRow);
+    if (!found.check_whole("its number of nodes", state[1], mpdem::from(1.0, static_cast<double>(most)))) return found.trouble();
     nodes = state + 2;
     nodes_end = state = nodes + static_cast<int>(state[1]) * kNumbersOfRow;
     if (state >= end) return "its number of nodes is wrong";

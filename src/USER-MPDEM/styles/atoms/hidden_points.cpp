@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "atom.h"
@@ -27,7 +26,7 @@ const char* const kWords[] = {"PI",    "step", "dt",      "time",    "sqrt",   "
 
 // For formulas that refer to each other. seen: variables that lead to this one. They end a cycle, which LIGGGHTS
 // reports later.
-bool is_of_time_alone(LAMMPS* lmp, const std::string& formula, std::vector<std::string> seen);
+bool is_of_time_alone(LAMMPS* lmp, const std::string& formula, const std::vector<std::string>& seen);
 
 // A variable of a style other than equal and atom holds plain numbers.
 bool variable_is_of_time_alone(LAMMPS* lmp, const std::string& name, std::vector<std::string> seen) {
@@ -35,10 +34,10 @@ bool variable_is_of_time_alone(LAMMPS* lmp, const std::string& name, std::vector
   const int place = variables->find(const_cast<char*>(name.c_str()));
   if (place < 0 || variables->atomstyle(place) || std::find(seen.begin(), seen.end(), name) != seen.end()) return false;
   seen.push_back(name);
-  return !variables->equalstyle(place) || is_of_time_alone(lmp, formula_of(variables, place), std::move(seen));
+  return !variables->equalstyle(place) || is_of_time_alone(lmp, formula_of(variables, place), seen);
 }
 
-bool is_of_time_alone(LAMMPS* lmp, const std::string& formula, std::vector<std::string> seen) {
+bool is_of_time_alone(LAMMPS* lmp, const std::string& formula, const std::vector<std::string>& seen) {
   const auto is_part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
   for (std::size_t at = 0; at < formula.size();) {
     const char c = formula[at];

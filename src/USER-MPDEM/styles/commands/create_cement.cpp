@@ -41,6 +41,7 @@ using mpdem::Vector3;
 
 namespace {
 constexpr double kLeastLeftOut = 0.05, kMostLeftOut = 0.9;  // limits of 'inner share'
+constexpr double kManyLeftOut = 0.2;                        // of the bonds, above which it warns
 constexpr double kMostShift = 1000.0;                       // of the origin of the grid, in spacings
 
 // All keywords. Those of shapes come once each.
@@ -242,7 +243,10 @@ void CreateCement::check_words(const Arguments& args, const CementRequest& wish,
 void CreateCement::command(int narg, char** arg) {
   Arguments args(lmp, "create_cement", narg, arg, 0);
   check_scene(args);
-  groupbit_ = group_of_points(args.word("a group for the points"));
+  const std::string name = args.word("a group for the points");
+  groupbit_ = group_of_points(name);
+  if (const std::size_t grains = mpdem::gather_all(world, spheres(groupbit_)).size(); grains > 0)
+    args.complain(text_of("group '", name, "' holds ", grains, " grains; name a group for the cement alone, such as 'calcite'"));
   box_ = mpdem::scene_box(*domain);
   try {
     if (args.keyword({"pair", "contacts"}) == "contacts") cement_contacts(args);
@@ -320,6 +324,11 @@ void CreateCement::cement_contacts(Arguments& args) {
               " had cement before\n"));
   report_sums(sums, groupbit, name);
   say(left_out);
+  if (const std::size_t kept = pairs.size() - made;
+      comm->me == 0 && static_cast<double>(kept) > kManyLeftOut * static_cast<double>(pairs.size()))
+    warn(text_of("create_cement contacts ", name, ": ", kept, " of ", pairs.size(),
+                 " bonds were left out; 'content' is the mass of a bond over that of its two grains, not the calcite content of the "
+                 "specimen; use a smaller 'content' or 'outer', or 'overlap trim'"));
 }
 
 // Collective. Reports the sums over all bonds of the command.

@@ -53,7 +53,7 @@ std::string CouplingHistory::trouble_without(bool restored) const {
   if (!needed_) return "";
   return text_of("there is no fix mpm/couple, so that the cement bonds nothing", ran_.kind == LinkSettings::kLinks ? " any more" : "",
                  "; define one after this fix", restored ? ", after read_restart too" : "",
-                 ", or use 'coupling none' for cement without grains");
+                 ", or use 'coupling none' for cement that no grain holds");
 }
 
 // Returns the options of the traction law of the earlier steps, as in a script.

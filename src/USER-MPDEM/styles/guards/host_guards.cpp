@@ -375,7 +375,7 @@ const Guard kGuards[] = {
     {kInit, "material points in the lists of neighbours", "and material points would come into LIGGGHTS' lists of neighbours",
      "the script needs these three lines, with a group that holds all grains and no cement:\n"
      "    atom_modify  map array first grains      (before the box is created)\n    communicate  single vel yes group grains\n    "
-     "neigh_modify include grains",
+     "neigh_modify include grains\n",
      kScene, points_in_lists},
     {kInit, "`fix gravity` of a part of the cement", "and cement has weight as a whole or not at all",
      "use a group that holds all of them, 'all' for instance, or none", kFixes,

@@ -24,7 +24,7 @@ constexpr Units kUnits[] = {
 // Crystals of calcite and cemented rocks fail at tensile stresses of 0.1 to 50 MPa.
 constexpr double kSlowest = 500.0, kFastest = 10e3;
 constexpr double kLightest = 1e3, kHeaviest = 4e3;
-constexpr double kWeakest = 1e3, kStrongest = 100e6;
+constexpr double kWeakest = 1e3, kStrongest = 80e6;
 
 }  // namespace
 

@@ -20,11 +20,16 @@ void tell(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
     if (f && lmp->comm->me == 0) std::fprintf(f, "%s", text.c_str());
 }
 
+namespace {
+std::set<std::string> warnings_given;  // in this scene
+}
+
 // Checks are made at each run and each write_restart. One warning is enough.
 void warn(LAMMPS_NS::LAMMPS* lmp, const std::string& text, const char* style) {
-  static std::set<std::string> given;
-  if (lmp->comm->me == 0 && given.insert(text).second) lmp->error->warning(style, 0, text.c_str());
+  if (lmp->comm->me == 0 && warnings_given.insert(text).second) lmp->error->warning(style, 0, text.c_str());
 }
+
+void forget_warnings() { warnings_given.clear(); }
 
 void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
   std::fflush(nullptr);
@@ -59,17 +64,17 @@ std::string Arguments::words_from(int first) const {
 }
 
 namespace {
-// Number of letters to insert, delete or replace that make b of a (Levenshtein distance).
+// Number of letters to insert, delete, replace or swap that make b of a (optimal string alignment distance).
 int edits(const std::string& a, const std::string& b) {
-  std::vector<int> row(b.size() + 1);
+  std::vector<int> before, last, row(b.size() + 1);  // of the first i - 2, i - 1 and i letters of a
   std::iota(row.begin(), row.end(), 0);
   for (std::size_t i = 1; i <= a.size(); ++i) {
-    int diagonal = row[0];
+    before = std::move(last);
+    last = row;
     row[0] = static_cast<int>(i);
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      const int replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+      row[j] = std::min({last[j - 1] + (a[i - 1] != b[j - 1]), last[j] + 1, row[j - 1] + 1});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
     }
   }
   return row.back();

@@ -69,9 +69,11 @@ class Arguments {
   std::set<std::string> given_;
 };
 
-// Print on the first rank: a text on screen and in the log, or a warning in the name of `style`.
+// Print on the first rank: a text on screen and in the log, or a warning in the name of `style`. The same warning is
+// given once, until forget_warnings() at the start of another scene.
 void tell(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
 void warn(LAMMPS_NS::LAMMPS* lmp, const std::string& text, const char* style = "fix mpm");
+void forget_warnings();
 
 // Calls Error::all with all streams flushed, so that the message survives redirected output.
 [[noreturn]] void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text);

@@ -140,7 +140,9 @@ void soften(const Arguments& args, const ScriptOptions& w, Law& law) {
     word = "'regularization nonlocal ... energy'";
     law.set_nonlocal(L, w.nonlocal_energy);
   } catch (const std::domain_error& e) {
-    args.complain(word + ": " + e.what());
+    const VtiConstants& c = law.elasticity().constants;
+    args.complain(text_of(word, ": ", e.what(), "; these options of the law are a tensile strength of ",
+                          law.implied_strength(std::min(c.Ep, c.Ez)).tensile_strength));
   }
 }
 
