@@ -41,8 +41,7 @@ AtomVecMpdem::AtomVecMpdem(LAMMPS* lmp) : AtomVecSphere(lmp) {
   static FILE* told = nullptr;
   if (comm->me != 0 || (told && told == logfile)) return;
   told = logfile;
-  for (FILE* f : {screen, logfile})
-    if (f) std::fprintf(f, "USER-MPDEM %s\n", mpdem::kVersion);
+  mpdem::tell(lmp, mpdem::text_of("USER-MPDEM ", mpdem::kVersion, "\n"));
 }
 
 AtomVecMpdem::~AtomVecMpdem() {
