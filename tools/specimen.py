@@ -64,6 +64,8 @@ def variables(words):
         name, _, value = word.partition("=")
         if name not in known or not value:
             raise run.Trouble(f"--set {word}: must be NAME=VALUE, with NAME one of {', '.join(known)}")
+        if name == "seed":
+            specimen.check_seed(value)
         found[name] = value
     return found
 
@@ -113,8 +115,9 @@ def tell(rows, reference):
     """The table, and cohesion and friction angle; returns these."""
     for load, r in rows:
         calm = f"below 1e-3 from {100 * r['load_when_calm']:.0f} % of the peak" if r["load_when_calm"] < 1.0 else "not below 1e-3 before"
+        share, early = r["kinetic_at_half"], specimen.before_failure(r, 0.5)
         print(
-            f"{load.label}: {load.told(r)}; kinetic share of the energy {r['kinetic_at_half']:.1e} at half of the peak, {calm} until the first point fails; "
+            f"{load.label}: {load.told(r)}; kinetic share of the energy {f'{share:.1e}' if share > 0.0 else 'n/a'} {early or 'at half of the peak'}, {calm} until the first point fails; "
             f"energy imbalance of the cement {r['imbalance']:.1e}; of the work at the peak {100 * r['springs_at_peak']:.3g} % are in the springs of the contacts, "
             f"{100 * r['rubbed_at_peak']:.2g} % went to their friction and dashpots"
             + (

@@ -8,6 +8,7 @@ What is fenced has a word that says what becomes of it:
   sh, python          commands                            run
   sh-template         commands that take long or need a place of their own; files, targets, presets and variables
                       that they name must be there
+  liggghts-compression  a script that includes cement.in, which test_parameters.py runs
   liggghts-specimen   lines of examples/specimen, which test_specimen.py runs
   liggghts-template   lines with words to be replaced; the command or style must be there
   text                neither: output, formulas, folders
@@ -28,7 +29,18 @@ ROOT = Path(__file__).parents[2]
 DOC = sorted((ROOT / "doc").rglob("*.md"))
 TOP = [ROOT / name for name in ("CONTRIBUTING.md", "CHANGELOG.md", "patches/README.md")]
 PAGES = [ROOT / "README.md"] + DOC + TOP
-KINDS = {"liggghts", "liggghts-restart", "liggghts-fragment", "liggghts-specimen", "liggghts-template", "sh", "sh-template", "python", "text"}
+KINDS = {
+    "liggghts",
+    "liggghts-restart",
+    "liggghts-fragment",
+    "liggghts-specimen",
+    "liggghts-compression",
+    "liggghts-template",
+    "sh",
+    "sh-template",
+    "python",
+    "text",
+}
 FENCED = re.compile(r"^( *)```([^\n]*)\n(.*?)^\1```", re.M | re.S)
 SECTIONS = ["Syntax", "Examples", "Description", "Restart", "Restrictions", "Related commands", "Default"]
 

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import time
@@ -94,9 +95,11 @@ def test_force_and_displacement(tmp_path, figures):
     symmetric law is tension with the other sign."""
     peak = {}
     for load in ("tension", "force", "compression"):
-        table, result, _ = loaded(tmp_path / load, load=load, speed=0.02, ramp=2e-5, rate=5e6)
+        table, result, done = loaded(tmp_path / load, load=load, speed=0.02, ramp=2e-5, rate=5e6)
         peak[load] = table["load"].max()
         assert float(result["broken"]) == 1
+        most, mean = (float(v) for v in re.search(r"^PEAK of all steps (\S+), of the mean of 100 steps (\S+)$", done.output, re.M).groups())
+        assert mean == float(result["peak"]) < most and peak[load] <= most * (1 + 1e-9) < 1.01 * peak[load]
     figures.below("peak under force control against motion", abs(peak["force"] / peak["tension"] - 1), 0.06)
     figures.below("compression against tension", abs(peak["compression"] / peak["tension"] - 1), 0.02)
 

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import NEIGHBOURS, PATIENCE, edit, host, pull, run
+from scenes import NEIGHBOURS, PATIENCE, edit, host, launch, pull, run
 
-TOOL = Path(__file__).parents[2] / "tools" / "parameters.py"
+ROOT = Path(__file__).parents[2]
+TOOL = ROOT / "tools" / "parameters.py"
 SAND = {"ucs": "3e5", "calcite": "0.03", "diameter": "3e-4", "void-ratio": "0.7"}
 DENSITY = 2650
 
@@ -108,6 +109,37 @@ def test_measured_as_predicted():
     assert abs(lines(measured=f"{stress:.17g}")[1]["B0"] / values["B0"] - 1) < 1e-3
 
 
+def test_grains_are_stopped(tmp_path):
+    """Grains that move and spin are at rest, and carry no load, once there is cement between them."""
+    d, (text, _) = float(SAND["diameter"]), lines()
+    moving = "velocity grains set 0.01 0.02 0.03\nset group grains omegax 100 omegay 50 omegaz 20\n"
+    script = grains([(0, 0, -d / 2), (0, 0, d / 2)], [d, d]) + f"timestep {3e-6 * d}\n{moving}{text}fix motion grains nve/sphere\n"
+    said = "compute ke grains ke\ncompute spin grains erotate/sphere\nthermo_style custom step c_ke c_spin f_bond\nthermo 10\nrun 10\n"
+    rows = re.findall(r"^ +\d+ +(\S+) +(\S+) +(\S+) *$", run(script + said, tmp_path).output, re.M)
+    assert len(rows) == 2 and {float(v) for row in rows for v in row} == {0.0}, rows
+
+
+def test_compression(tmp_path, figures):
+    """The script of doc/howto_parameters.md compresses beads past their peak, with the warning that the page announces and no other."""
+    page = (ROOT / "doc" / "howto_parameters.md").read_text()
+    (script,) = re.findall(r"^```liggghts-compression\n(.*?)^```", page, re.M | re.S)
+    here = ["-var", "here", str(ROOT / "examples" / "specimen")]
+    pour = launch((ROOT / "examples" / "specimen" / "in.pour").read_text(), tmp_path, name="in.pour", arguments=[*here, "-var", "beads", "80"])
+    assert pour.status == 0, pour.output[-2000:]
+    words = {"diameter": "3.7e-3", "grain_density": "2500", "coordination": "4.1", "void_ratio": f"{0.483 / 0.517:.17g}"}
+    (tmp_path / "cement.in").write_text(lines(**words)[0])
+    result = launch(script, tmp_path, name="in.compression", arguments=here)
+    assert result.status == 0 and not result.errors(), result.output[-2000:]
+    warnings = [line for line in result.output.splitlines() if "WARNING" in line]
+    assert len(warnings) == 1 and "('kinetic_share')" in warnings[0], warnings
+    strain, stress, broken = np.loadtxt(tmp_path / "ucs.txt", skiprows=1).T
+    peak = int(stress.argmax())
+    said = float(re.search(r"the largest stress is (\S+) MPa", page)[1])
+    figures.below("largest stress against that of the page", abs(1e-6 * stress.max() / said - 1), 0.15)
+    assert 10 < peak < len(stress) - 10 and stress[-10:].mean() < 0.3 * stress[peak] and broken[-1] > 50 > broken[peak]
+    assert strain[-1] == pytest.approx(6e-4, rel=0.15) and (np.diff(np.diff(strain)[:15]) > 0).all(), "the speed rises smoothly"
+
+
 def test_interface(tmp_path, figures):
     """An interface of the strength that the tool names has the bond debond at about the tension at which weaker cement breaks inside."""
     text, values = lines()
@@ -154,6 +186,8 @@ def test_content_of_a_packing(tmp_path, figures):
         ({"ucs": "0.3"}, "--ucs 0.3: cement of a tensile strength of .* Pa follows; check that the UCS is in Pa"),
         ({"ucs": "1e11"}, "--ucs 1e.11: cement of a tensile strength of .* Pa follows; check that the UCS is in Pa"),
         ({"diameter": "0"}, "--diameter: 0: .*in m, must be above 0"),
+        ({"diameter": "0.3"}, "--diameter: 0.3: .*in m, must be above 0 and below 0.05; for 0.3 mm give 0.0003"),
+        ({"diameter": "100"}, "--diameter: 100: .*in m, must be above 0 and below 0.05$"),
         ({"void-ratio": "-1"}, "--void-ratio: -1: "),
         ({"porosity": "0.4"}, "not allowed with"),
         ({"coordination": "0"}, "--coordination: 0: "),

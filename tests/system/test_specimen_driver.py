@@ -3,13 +3,14 @@
 import csv
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import PATIENCE, executable
+from scenes import PATIENCE, edit, executable, launch
 
 ROOT = Path(__file__).parents[2]
 DRIVER = ROOT / "tools" / "specimen.py"
@@ -193,6 +194,9 @@ BAD = {
     "below zero": (["--pressures", "-1e5"], ["--pressures", "positive numbers"]),
     "a test": (["--tests", "torsion"], ["--tests torsion", "compression or tension"]),
     "executable": (["--exe", "/nowhere"], ["/nowhere", "--exe"]),
+    "a small seed": (["--set", "seed=101"], ["--set seed=101", "prime above 10000", "49979687"]),
+    "a seed that is no prime": (["--set", "seed=10001"], ["--set seed=10001", "prime above 10000"]),
+    "a seed that the script has": (["--set", "seed=15485867"], ["--set seed=15485867", "not 15485863, 15485867 or 32452843"]),
 }
 
 
@@ -223,6 +227,62 @@ def test_a_failing_run_is_told(tmp_path):
     assert done.returncode != 0 and "FAILED cemented_0.012: ERROR: create_cement" in done.stdout and "needs a run that failed" in done.stderr, (
         done.stdout + done.stderr
     )
+
+
+def test_beads_that_do_not_fit_the_step_are_told(tmp_path):
+    done = drive(tmp_path / "out", *TINY, "--set", "large=2e-4", "--set", "small=1.7e-4")
+    assert done.returncode != 0 and "FAILED poured: ERROR: Unknown command: -var small: dt is above half of the Rayleigh time" in done.stdout, done.stdout
+
+
+def test_lost_beads_stop_the_script(tmp_path):
+    script = edit((ROOT / "examples" / "specimen" / "in.pour").read_text(), "> 4.7e-4", "> 1")
+    words = {"here": ROOT / "examples" / "specimen", "beads": 40, "large": 2e-4, "small": 1.7e-4, "settle": 0.02, "press": 0.005}
+    result = launch(script, tmp_path, name="in.pour", arguments=[str(w) for k, v in words.items() for w in ("-var", k, v)])
+    assert result.status != 0 and "of 40 beads left the box" in result.output and "beads left the box" in result.errors()[0]
+    assert not (tmp_path / "poured.restart").exists()
+
+
+def test_whole_message():
+    """An error of LIGGGHTS that has several lines is told to its end."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    from mpdem import runner
+
+    text = "x\nERROR on proc 0: It is required that\nThe random seed used was 101\n  Hint 2: these:\n       15485863 (./src/random.cpp:93)\n------\nMPI_ABORT\n"
+    assert runner.error_of(text) == "ERROR on proc 0: It is required that The random seed used was 101 Hint 2: these: 15485863 (./src/random.cpp:93)"
+    assert runner.error_of("ERROR: one line (fix mpm:0)\nERROR: another (./src/a.cpp:1)\n") == "ERROR: one line (fix mpm:0)"
+    assert runner.error_of("ERROR: without a place\nmore\n") == "ERROR: without a place" and runner.error_of("RESULT\n") == ""
+
+
+def test_early_failure(driven, tmp_path):
+    """If points fail early, stiffness and kinetic share are of the load before, and the words say so; if at once, there are none."""
+    out, _ = driven
+    sys.path.insert(0, str(ROOT / "tools"))
+    from mpdem import specimen
+
+    words = dict(w.split("=") for w in TINY if "=" in w)
+    load = specimen.Load("compression", 0.012, 0.0, specimen.Cement(0.012, specimen.Pour(12, words), words), words)
+    for name in ("poured", "cemented_0.012", "compression_0.012"):
+        shutil.copytree(out / name, tmp_path / name)
+    folder = tmp_path / "compression_0.012"
+    as_it_is = load.results(str(folder))
+    c = specimen.Curve(str(folder), "compression", 0.0)
+    text = (folder / "curve.csv").read_text().splitlines()
+    at = text[0].split(",").index("failed")
+    for share in (0.4, 0.0):
+        first = int(np.argmax(c.stress > share * c.stress[c.peak])) if share else 0
+        moved = [line.split(",") for line in text[1:]]
+        start = len(moved) - len(c.stress)
+        for n, row in enumerate(moved):
+            row[at] = "1" if n >= start + first else "0"
+        (folder / "curve.csv").write_text("\n".join([text[0], *(",".join(row) for row in moved)]) + "\n")
+        r = load.results(str(folder))
+        assert r["strength"] == as_it_is["strength"]
+        if share:
+            top = c.stress[:first].max() / c.stress[c.peak]
+            assert r["load_at_first_failure"] == pytest.approx(top) and f"GPa before the first failure at {100 * top:.0f} % of the peak" in load.told(r)
+            assert r["kinetic_at_half"] == c.kinetic_share[first - 1] and np.isfinite(r["stiffness_of_ends"])
+        else:
+            assert "stiffness n/a, before the first failure at 0 % of the peak" in load.told(r) and np.isnan(r["kinetic_at_half"])
 
 
 def test_mohr_coulomb():

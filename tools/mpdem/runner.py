@@ -23,6 +23,7 @@ import argparse
 import hashlib
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -176,9 +177,9 @@ class Runner:
         self.spent += run.cost
         with open(os.path.join(folder, "out.txt"), errors="replace") as f:
             text = f.read()
-        trouble = [line for line in text.splitlines() if line.startswith("ERROR")]
+        trouble = error_of(text)
         if item["process"].returncode or trouble or "\nRESULT " not in text:
-            self.failed.append((run, trouble[0] if trouble else f"ended with status {item['process'].returncode}; " f"see {os.path.join(folder, 'out.txt')}"))
+            self.failed.append((run, trouble or f"ended with status {item['process'].returncode}; see {os.path.join(folder, 'out.txt')}"))
             say(f"{self.count()} FAILED {run.label}: {self.failed[-1][1]}")
             return
         try:
@@ -208,6 +209,12 @@ class Runner:
 
     def progress(self):
         say(f"{self.count()} running: {'; '.join(i['run'].label + ' ' + i['run'].progress(i['folder']) for i in self.active)}{self.left()}")
+
+
+def error_of(text):
+    """The message of the first error in the output of LIGGGHTS, in one line: up to the file and line of its source if it has several lines."""
+    found = re.search(r"^ERROR(?:.*\n){0,12}?.*\([^()\n]*:\d+\) *$", text, re.M) or re.search(r"^ERROR.*$", text, re.M)
+    return " ".join(found[0].split()) if found else ""
 
 
 def say(text):

@@ -6,6 +6,7 @@ The beads are poured once, cemented once for each content, and loaded once for e
 """
 import csv
 import glob
+import math
 import os
 import re
 
@@ -16,7 +17,8 @@ from .loading import read_table
 from .run import Trouble
 
 FOLDER = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "examples", "specimen")
-STIFFNESS = (0.3, 0.6)  # of the peak, beyond the confining pressure
+STIFFNESS = (0.5, 0.6)  # up to this share of the peak, beyond the confining pressure, or to the first failure; from this share of that load
+ROWS = 5  # of the curve that a slope needs
 CALM = 1e-3  # kinetic share of the energy
 FEWEST = 10  # beads that tell the strain
 COLUMNS = (
@@ -57,6 +59,7 @@ COLUMNS = (
     "unbalanced_at_first_failure",
     "pressure_off_to_peak",
     "pressure_off_after_peak",
+    "load_at_first_failure",
 )
 
 
@@ -64,6 +67,16 @@ def variables_of(script):
     """What may be set in a script: its variables of style index."""
     with open(script) as f:
         return re.findall(r"^variable +(\w+) +index ", f.read(), re.M)
+
+
+def check_seed(text):
+    """LIGGGHTS wants a prime above 10000, other than those of the grains in in.pour."""
+    with open(os.path.join(FOLDER, "in.pour")) as f:
+        taken = re.findall(r"^fix .* (?:particletemplate|particledistribution)/\S+ (\d+) ", f.read(), re.M)
+    number = int(text) if text.isdigit() else 0
+    if not 10000 < number < 2**31 or number in map(int, taken) or any(number % d == 0 for d in range(2, math.isqrt(number) + 1)):
+        others = f"{', '.join(taken[:-1])} or {taken[-1]}"
+        raise Trouble(f"--set seed={text}: must be a prime above 10000, not {others}, which in.pour has; 49979687 or 86028121 for instance")
 
 
 class Stage:
@@ -142,8 +155,10 @@ class Load(Stage):
         return found
 
     def told(self, r):
+        early = before_failure(r)
+        stiffness = f"{1e-9 * r['stiffness']:.3g} GPa{early and ' ' + early}" if math.isfinite(r["stiffness"]) else f"n/a{early and ', ' + early}"
         return (
-            f"strength {1e-6 * r['strength']:.3g} MPa at {1e3 * r['strain_at_peak']:.3g} per mille, stiffness {1e-9 * r['stiffness']:.3g} GPa, "
+            f"strength {1e-6 * r['strength']:.3g} MPa at {1e3 * r['strain_at_peak']:.3g} per mille, stiffness {stiffness}, "
             f"{r['broken']} of {r['bonds']} bonds broken"
         )
 
@@ -286,17 +301,20 @@ def results(folder, load):
     t, k = c.table, c.peak
     cement = runner.finished(os.path.dirname(folder), load.needs[0])
     rising = (c.stress - load.pressure)[: k + 1]
-    inside = np.flatnonzero(rising[: int(np.argmax(rising > STIFFNESS[1] * rising[k]))] >= STIFFNESS[0] * rising[k])  # later drops are none of it
+    fails = int(np.argmax(t["failed"] > 0)) if (t["failed"] > 0).any() else k
+    end = min(int(np.argmax(rising > STIFFNESS[1] * rising[k])), fails)  # later drops are none of it
+    first = float(rising[:fails].max() / rising[k]) if 0 < fails < k else 0.0 if fails == 0 else float("nan")
+    inside = np.flatnonzero(rising[:end] >= STIFFNESS[0] * rising[k] * min(STIFFNESS[1], first if fails < k else 1.0))
     gauge = gauge_strain(folder, c)
-    half, fails = int(np.argmax(rising >= 0.5 * rising[k])), int(np.argmax(t["failed"] > 0)) or k
+    half = min(int(np.argmax(rising >= 0.5 * rising[k])), fails - 1)
     before = {name: float(t[name][max(fails - 1, 0)]) if name in t else float("nan") for name in ("kinetic_share", "unbalanced")}
     return {
         "test": load.test,
         "content": load.content,
         "pressure": load.pressure,
         **{k: cement[k] for k in ("bonds", "points", "content_of_all")},
-        "stiffness": slope(gauge[inside], c.stress[inside]),
-        "stiffness_of_ends": slope(c.strain[inside], c.stress[inside]),
+        "stiffness": slope(gauge[inside], c.stress[inside]) if inside.size >= ROWS else float("nan"),
+        "stiffness_of_ends": slope(c.strain[inside], c.stress[inside]) if inside.size >= ROWS else float("nan"),
         "strength": float(c.stress[k]),
         "strain_at_peak": float(c.strain[k]),
         "strain_at_end": float(c.strain[-1]),
@@ -308,7 +326,7 @@ def results(folder, load):
         "debonding": int(t["debonding"][-1]),
         "internal": int(t["internal"][-1]),
         "mixed": int(t["mixed"][-1]),
-        "kinetic_at_half": float(c.kinetic_share[half]),
+        "kinetic_at_half": float(c.kinetic_share[half]) if half > 0 else float("nan"),
         "kinetic_at_first_failure": float(c.kinetic_share[max(fails - 1, 0)]),
         "kinetic_at_peak": float(c.kinetic_share[k]),
         "imbalance": float(np.abs(t["imbalance"][1:]).max()),
@@ -316,14 +334,21 @@ def results(folder, load):
         "in_contacts": float(c.in_contacts[-1]),
         "steps": int(t["step"][-1] - t["step"][0]),
         "springs_at_peak": float((c.springs[k] - c.springs[0]) / c.work[k]),
-        "rubbed_at_first_failure": float(c.rubbed[max(fails - 1, 0)] / c.work[max(fails - 1, 0)]),
+        "rubbed_at_first_failure": float(c.rubbed[fails - 1] / c.work[fails - 1]) if fails > 1 else float("nan"),
         "rubbed_at_peak": float(c.rubbed[k] / c.work[k]),
         "load_when_calm": calm_from(c, rising, fails),
         "kinetic_share_at_first_failure": before["kinetic_share"],
         "unbalanced_at_first_failure": before["unbalanced"],
         "pressure_off_to_peak": pressure_off(c, slice(1, k + 1)),
         "pressure_off_after_peak": pressure_off(c, slice(k + 1, None)),
+        "load_at_first_failure": first,
     }
+
+
+def before_failure(r, share=STIFFNESS[1]):
+    """In words, where a value up to this share of the peak is one before the first failure instead; else nothing."""
+    first = float(r["load_at_first_failure"])
+    return f"before the first failure at {100 * first:.0f} % of the peak" if first < share else ""
 
 
 def mohr_coulomb(rows):

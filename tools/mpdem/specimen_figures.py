@@ -6,6 +6,7 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.lines import Line2D
 
 from .figures import plt, save
+from .specimen import before_failure
 
 PALETTE = ("#1b2a49", "#2a8f7b", "#c8553d", "#8a5fa8", "#b8860b", "#4c78a8")
 MODES = {"debonding": ("debonding from a bead", "#c1272d"), "mixed": ("mixed", "#8a5fa8"), "internal": ("inside the cement", "#1f6fb4")}
@@ -81,11 +82,14 @@ def awake(path, items):
         axes[0].plot(1e3 * c.time[c.peak], c.table["awake"][c.peak], "o", color=style["color"], ms=3)
         before = slice(1, c.peak + 1)
         axes[1].semilogy(c.stress[before] / c.stress[c.peak], c.kinetic_share[before], **style)
+        fails = int(np.argmax(c.table["failed"] > 0))
+        if 0 < fails < c.peak:
+            axes[1].plot(c.stress[fails] / c.stress[c.peak], c.kinetic_share[fails], "o", color=style["color"], ms=3)
     axes[0].axhline(items[0][1]["bonds"], color="0.5", lw=0.6, ls="--")
     axes[0].set_xlabel("time (ms); dots: peak of the load")
     axes[0].set_ylabel(f"awake bonds, of {items[0][1]['bonds']}")
     axes[1].axhline(1e-3, color="0.5", lw=0.6, ls="--")
-    axes[1].set_xlabel("axial stress before the peak, over the peak")
+    axes[1].set_xlabel("axial stress over its peak; dots: first failure")
     axes[1].set_ylabel("kinetic share of the energy")
     for ax in axes:
         ax.set_xlim(0.0, None)
@@ -127,17 +131,21 @@ def energy(path, load, c):
 def strengths(path, items, reference, line):
     """Stiffness and strengths over content; circles of Mohr of one content."""
     fig, axes = plt.subplots(1, 3, figsize=(7.48, 2.7), gridspec_kw={"width_ratios": (1, 1, 1.5)})
+    hollow = False
     for test, colour, label in (("compression", PALETTE[0], "compression"), ("tension", PALETTE[2], "tension")):
-        rows = sorted((load.content, r) for load, r, _ in items if load.test == test and not load.pressure)
+        rows = sorted(((load.content, r) for load, r, _ in items if load.test == test and not load.pressure), key=lambda row: row[0])
         if not rows:
             continue
         x = [100 * content for content, _ in rows]
         axes[0].plot(x, [1e-9 * r["stiffness"] for _, r in rows], "o-", color=colour, ms=4, label=label)
+        early = [(content, r) for content, r in rows if before_failure(r)]
+        axes[0].plot([100 * content for content, _ in early], [1e-9 * r["stiffness"] for _, r in early], "o", color=colour, mfc="white", ms=4)
+        hollow = hollow or bool(early)
         axes[1].plot(x, [1e-6 * r["strength"] for _, r in rows], "o-", color=colour, ms=4, label=label)
     axes[0].set_ylabel("stiffness (GPa)")
     axes[1].set_ylabel("strength (MPa)")
     for ax in axes[:2]:
-        ax.set_xlabel("content of a bond (%)")
+        ax.set_xlabel("content of a bond (%)" + ("\nhollow: before an early failure" if hollow and ax is axes[0] else ""))
         ax.set_xlim(0.0, None)
         ax.set_ylim(0.0, None)
         ax.legend(frameon=False)
