@@ -183,7 +183,8 @@ void AddedMass::add_jumps(Grid& grid, BondEnd* ends, bool at_start) const {
 
 // A node of inertia N relative to its grain that gains C more is slowed to (N/(N + C))^(1/2) of its velocity relative
 // to the grain. The force of the last step acts on half of the motion of this one, so the change of the velocity
-// changes its work.
+// changes its work. The loss is that of the kinetic energy of the node, less the work of the transfer force on the
+// grain and less this change.
 double AddedMass::add_to_nodes(const std::vector<Share>& before, Grid& grid, BondEnd* ends, double later, double dt) const {
   std::vector<double> change(grid.velocity.size(), 0.0);
   const std::vector<char>& counts = grid.halo.counts_here();

@@ -75,7 +75,7 @@ class AddedMass {
   void accelerate(Grid& grid, BondEnd* ends) const;
   // Added mass follows the jumps of its grains as it follows their accelerations: a node of mass m takes the share c/(m
   // + c) of a jump. Adds `rate` times this share to the accelerations, and grain_rate times the reaction to the jump
-  // forces on the grains. weight: acceleration by gravity that acts on the mass of nodes.
+  // forces on the grains; both are 1/time. weight: acceleration by gravity that acts on the mass of nodes.
   struct Followed {
     double of_weight = 0.0, of_inertial_force = 0.0;  // power of these forces on the changes of velocity, on nodes that this rank counts
   };
@@ -105,9 +105,9 @@ class AddedMass {
   std::size_t memory_usage() const;
 
  private:
-  void carry(Grid& grid, BondEnd* ends) const;
-  void keep(const std::vector<Share>& shares, const Grid& grid);
-  SharedList<double> mass_;  // of each node, for both grains
+  void carry(Grid& grid, BondEnd* ends) const;                    // replaces forces on nodes with added mass by accelerations
+  void keep(const std::vector<Share>& shares, const Grid& grid);  // lays out masses_, nodes_ and without_
+  SharedList<double> mass_;                                       // of each node, for both grains
   std::vector<EightMasses> masses_;
   SharedList<EightNodes> nodes_;
   SharedList<std::array<int, 2>> without_;  // ranges of nodes that are not constrained and have no added mass

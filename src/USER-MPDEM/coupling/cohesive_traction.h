@@ -6,7 +6,7 @@
 //
 //   opening      lambda^2 = <delta_n>^2 + (kt/kn) delta_t^2,  <.> the positive part
 //   mixed mode   B = (kt/kn) delta_t^2/lambda^2, from 0 for opening to 1 for shear: the share of shear in the energy
-//   onset        lambda0 by (tn/t)^2 of either mode: (kn lambda0)^2 ((1 - B)/tn^2 + B (kt/kn)/tt^2) = 1
+//   onset        lambda0 by (kn lambda0)^2 ((1 - B)/tn^2 + B (kt/kn)/tt^2) = 1
 //   end          lambdaf = 2 G/(kn lambda0) with 1/G = (1 - B)/Gn + B/Gt
 //   damage       d = lambdaf (lambda - lambda0)/(lambda (lambdaf - lambda0)), from 0 to 1; it never falls
 //   traction     (1 - d) of the penalty, 1 - d/2 of it under compression; none once d is 1
@@ -104,7 +104,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
   }
 
  private:
-  static constexpr double kSoftClosed = 0.5;
+  static constexpr double kSoftClosed = 0.5;  // share of the stiffness under compression that damage 1 takes
   double tn_, tt_, Gn_, Gt_;
   double least_square_;  // square of the separation lambda of update() below which no damage grows in any mode
 };

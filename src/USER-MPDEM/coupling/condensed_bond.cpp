@@ -58,11 +58,11 @@ void GrainLoads::add_to(BondEnd* ends) const {
 void CondensedModel::find_coupling() {
   coupling = 0.0;
   if (M.topRightCorner<6, 6>().isZero(0.0)) return;
-  coupling = 1.0;
+  coupling = 1.0;  // the bound for any positive semidefinite M
   const Eigen::LLT<Matrix6> first(M.topLeftCorner<6, 6>()), second(M.bottomRightCorner<6, 6>());
   if (first.info() != Eigen::Success || second.info() != Eigen::Success) return;
   const Matrix6 half = first.matrixL().solve(Matrix6(M.topRightCorner<6, 6>()));
-  const Matrix6 both = second.matrixL().solve(Matrix6(half.transpose()));
+  const Matrix6 both = second.matrixL().solve(Matrix6(half.transpose()));  // L_1^-1 M_10 L_0^-T
   coupling = std::min(1.0, Eigen::JacobiSVD<Matrix6>(both).singularValues()[0]);
 }
 
@@ -139,8 +139,8 @@ CondensedMotion::Vector12 CondensedMotion::rate(const BondEnd* ends) const {
   return of_ends(a[0], a[1]);
 }
 
-// The positions have rotated since then. This appears as centripetal acceleration, which is not in the momentum of that
-// time.
+// Half a step before, the vector to p_s was r_s - half omega x r_s. So the velocity of p_s lacked half times its
+// centripetal acceleration, which is rate() of ends that do not accelerate. That of nodes lacked half times N : B.
 CondensedMotion::Vector12 CondensedMotion::momentum_before(const CondensedModel& model, const BondEnd* ends, double half) const {
   BondEnd turning_alone[2] = {ends[0], ends[1]};
   for (BondEnd& s : turning_alone)

@@ -18,9 +18,11 @@
 //
 //   v(X) = Q [ (P - u) (w_0, omega_0) + u (w_1, omega_1) ]
 //
-// with P the rigid motion about the middle and u the six static fields. With M = sum m (P - u, u)^T (P - u, u) the
-// kinetic energy is q.M q/2 and the inertia loads are -M q'. Here q' includes the centripetal accelerations of p_s.
-// Nodes have further centripetal accelerations, whose load is N : (omega omega^T - omega^2).
+// P (3 by 6) is the rigid motion about the middle. u (3 by 6) has the six static fields: what unit motions of grain 1
+// cause at the node while grain 0 rests. With M = sum m (P - u, u)^T (P - u, u) over the nodes, the kinetic energy is
+// q.M q/2 and the inertia loads are -M q'. Here q' includes the centripetal accelerations of p_s. A node at Y from the
+// middle has the further centripetal acceleration B Y, B = omega omega^T - omega^2 with the mean omega of both grains.
+// It adds N : B to M q', with N = sum m (P - u, u)^T (x) Y.
 #ifndef MPDEM_COUPLING_CONDENSED_BOND_H
 #define MPDEM_COUPLING_CONDENSED_BOND_H
 
@@ -46,15 +48,16 @@ struct CondensedModel {
 
   // Adds a node of mass m at X with its values of the six static fields, field(component, motion).
   void add_node(double m, const Vector3& X, const Eigen::Matrix<double, 3, 6>& field);
-  // Largest value of 2 |q_0.M_01 q_1| over q_0.M_00 q_0 + q_1.M_11 q_1. Call find_coupling() when M is complete.
+  // Largest value of 2 |q_0.M_01 q_1| over q_0.M_00 q_0 + q_1.M_11 q_1, from 0 to 1. Call find_coupling() when M is
+  // complete.
   double coupling = 0.0;
   void find_coupling();
-  static constexpr int kNumbers = 3 + 36 + 144 + 108 + 1;
+  static constexpr int kNumbers = 3 + 36 + 144 + 108 + 1;  // middle, K, M, N, coupling
   void pack(double* numbers) const;
   void unpack(const double* numbers);
 };
 
-// Loads on both grains, force and moment about the centre.
+// Loads on both grains, force and moment about the centre, in the axes of the bond.
 struct GrainLoads {
   double of[2][6] = {};
   void add_to(BondEnd* ends) const;
@@ -87,7 +90,7 @@ class CondensedMotion {
   // back.
   GrainLoads loads(const Vector12& generalized) const;
   Vector12 generalized(const double* first, const double* second) const;
-  // Generalized force of the centripetal acceleration of nodes beyond that of the p_s.
+  // N : B, which the centripetal accelerations of nodes add to M q'.
   Vector12 centripetal(const CondensedModel& model, const BondEnd* ends) const;
   // M q of half a step before, for ends with the velocities of that time and the present positions.
   Vector12 momentum_before(const CondensedModel& model, const BondEnd* ends, double half) const;
@@ -103,7 +106,7 @@ class CondensedMotion {
  private:
   RelativeMotion<double> motion_;
   Matrix3 Q_ = Matrix3::Identity();
-  Vector3 p_[2], r_[2];  // vectors from the centres of the grains to p
+  Vector3 p_[2], r_[2];  // the p_s, and the vectors from the centres of the grains to them
   Vector6 d_ = Vector6::Zero();
 };
 

@@ -71,7 +71,7 @@ void CondensedPack::fill(Block& b, int lane, const Entry& entry) {
     for (int j = 0; j <= i; ++j) b.K[lower_triangle(i, j)][lane] = m.K(i, j);
   for (int i = 0; i < 12; ++i)
     for (int j = 0; j <= i; ++j) b.M[lower_triangle(i, j)][lane] = m.M(i, j);
-  constexpr int column[6][2] = {{0, 0}, {4, 4}, {8, 8}, {5, 7}, {2, 6}, {1, 3}};
+  constexpr int column[6][2] = {{0, 0}, {4, 4}, {8, 8}, {5, 7}, {2, 6}, {1, 3}};  // xx, yy, zz, both yz, both xz, both xy
   for (int i = 0; i < 6; ++i)
     for (int c = 0; c < 6; ++c)
       b.N[6 * i + c][lane] = column[c][0] == column[c][1] ? m.N(6 + i, column[c][0]) : m.N(6 + i, column[c][0]) + m.N(6 + i, column[c][1]);
@@ -226,7 +226,6 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
   const Vec apart = x[1] - x[0] + Vec{{b.shift[0], b.shift[1], b.shift[2]}};
   const RelativeMotion<vd> m(turn, arm, apart);
   const Vec along = splat(1.0) / sqrt(dot(apart, apart)) * apart;
-  // Elastic loads.
   vd f[6], *const d = b.d;
   for (int c = 0; c < 3; ++c) {
     d[c] = m.delta.a[c];
@@ -241,7 +240,8 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
   Vec force, moment;
   m.load(Vec{{f[0], f[1], f[2]}}, Vec{{f[3], f[4], f[5]}}, force, moment);
   const Vec moment0 = cross(force, m.apart) - moment;
-  // Inertia forces that do not depend on the accelerations.
+  // Inertia forces that do not depend on the accelerations: N : B, and M times the centripetal accelerations of the p_s.
+  // The rows of N for grain 0 are those of a rigid body less those for grain 1.
   Vec to_axis[2];
   for (int s = 0; s < 2; ++s) to_axis[s] = turned_back(m.Q, cross(omega[s], cross(omega[s], m.r[s])));
   const Vec w = splat(0.5) * turned_back(m.Q, omega[0] + omega[1]);
@@ -279,6 +279,7 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
 }
 
 void CondensedPack::find_masses(Block& b, const RelativeMotion<vd>& m, const Vec& along) {
+  // Centres move p_s by T = (1, -[r]; 0, 1), so M becomes T^T M T. The tension is (F_0 - F_1).along/2 with F = -M a.
   const Vec half = splat(0.5) * along;
   const auto add_lag = [&](int s, const Vec& of_force, const Mat& of_v, const Mat& of_omega) {
     const Vec v = turned_back(of_v, of_force), omega = turned_back(of_omega, of_force);

@@ -14,7 +14,7 @@
 // A load on a grain is the sum over all its condensed bonds, force and moment about its centre. Loads due to
 // accelerations are
 //
-//   -(sum M_ss) a - sum M_st a_t,   M in the coordinates of the grains, by the axes of the box.
+//   -(sum M_ss) a - sum M_st a_t,   a_t: of the other grain of a bond; M: for motions of the centres, in the axes of the box.
 #ifndef MPDEM_COUPLING_CONDENSED_PACK_H
 #define MPDEM_COUPLING_CONDENSED_PACK_H
 
@@ -71,8 +71,8 @@ class CondensedPack {
   void subtract_coupling(double* of_owned);
   bool at_rest() const;  // true if no grain here has an acceleration
 
-  // Calls f(member, tension) with the mean force of each bond along the line of centres, once all loads are known.
-  // member: index in the list of build().
+  // Calls f(member, tension) with the mean force of each bond along the line of centres, positive in tension, once all
+  // loads are known. member: index in the list of build().
   template <class F>
   void each_tension(F f) const {
     for (std::size_t n = 0; n < blocks_.size(); ++n) {
@@ -91,15 +91,17 @@ class CondensedPack {
   std::size_t memory_usage() const;
 
  private:
+  // Triangles are lower ones, by rows. N: the last six rows of that of the model, for xx, yy, zz, yz, xz, xy. The other six
+  // follow from the moments of the mass about the middle, first and second. tension: that without accelerations. lag: what
+  // each acceleration subtracts from it.
   struct Block {
     int slot[2][kLanes], count;
     vd back[2][4];           // inverse of the orientations at the creation
     vd arm[2][3], shift[3];  // arm: from centres to the middle; shift: between the coordinates of both grains
-    vd K[kSym6], M[78], N[36], first[3],
-        second[6];  // lower triangles by rows; N: xx, yy, zz, yz, xz, xy for each of the last six components of q
+    vd K[kSym6], M[78], N[36], first[3], second[6];
     vd bound[6], d[6], level;
-    vd C[36];               // M_01 in the axes of the box, by rows
-    vd tension, lag[2][6];  // mean force along the line of centres without accelerations, and what each acceleration subtracts from it
+    vd C[36];  // M_01 in the axes of the box, by rows
+    vd tension, lag[2][6];
   };
   static void fill(Block& b, int lane, const Entry& entry);
   void find_loads(Block& b, const double* gravity);
@@ -108,19 +110,19 @@ class CondensedPack {
   vd tension_of(const Block& b) const;
   void add_loads(const Block& b, const RelativeMotion<vd>& m, const vd* generalized, std::vector<double>& to) const;
   void apply(const std::vector<double>& rates, std::vector<double>& loads) const;  // loads -= sum M_st rates_t
-  void hand_out(double* values, int width);
+  void hand_out(double* values, int width);  // sends values of owners to all slots; all other values must be 0
   // Number i of an owned grain; 0 if there are none.
   double of_owned(const std::vector<double>& values, int width, int grain, int i) const {
     return values.empty() ? 0.0 : values[width * slot_of_owned_[grain] + i];
   }
 
-  static constexpr int kMotion = 24;  // present, x, q, omega, v, a, jump, mass_ratio
+  static constexpr int kMotion = 24;  // present (1 if some rank owns the grain), x, q, omega, v, a, jump, mass_ratio
   enum { kX = 1, kQ = 4, kOmega = 8, kV = 11, kA = 14, kJump = 17, kRatio = 23 };
   std::vector<Block> blocks_;
   std::vector<int> tags_, slot_of_owned_;  // tags_: of slots, ascending
   std::vector<char> owned_;
   HaloSum halo_;
-  std::vector<double> motion_, acceleration_, rate_, load_, jump_load_, inertial_load_, weight_, mass_;
+  std::vector<double> motion_, acceleration_, rate_, load_, jump_load_, inertial_load_, weight_, mass_;  // of slots; rate_: work array
   double coupling_ = 0.0;
   bool any_ = false;
 };

@@ -136,7 +136,7 @@ void CrackFaces::add_pair_force(Pair& p, Grid& grid, const double* mass, double 
   }
   ++touching_;
   largest_penetration_ = std::max(largest_penetration_, -wn);
-  const double together = 1.0 / (kick * (1.0 / mass[0] + 1.0 / mass[1]));
+  const double together = 1.0 / (kick * (1.0 / mass[0] + 1.0 / mass[1]));  // force that changes v by 1
   // An overlap, where the normal rotated, is undone no faster than the faces close; otherwise it would supply energy.
   const double after = std::min(-wn / dt, -vn);
   const double normal = (after - vn) * together, stop = std::sqrt(dot(slip, slip)) * together;

@@ -9,8 +9,9 @@
 //
 //   V_a = sum V N_a     G_a = sum V F^-T grad N_a     n = g/|g|, g = G_a/V_a - G_b/V_b
 //
-// Where the cement ends across the crack, both copies have the same G/V along the crack. If one copy has more material
-// than the other, the plain difference of the gradients keeps a remainder of it, which tilts the normal.
+// The division by V matters at nodes beside which the cement ends. There each G has a part along the crack, in
+// proportion to V. This part drops out of the difference of G/V. It remains in the plain difference of the gradients if
+// one copy has more material, and tilts the normal.
 //
 // Two nodes exchange just the force that leaves w.n >= 0 at the end of the next step (forward increments of N. J.
 // Carpenter, R. L. Taylor, M. G. Katona, Int. J. Numer. Methods Engrg. 32, 1991, 103-128). With lumped masses this is
@@ -20,7 +21,7 @@
 // pair loses by impact and slip is the work of these forces. Copies whose G is below 1e-5 of the face of a cell have no
 // contact.
 //
-// Slips of up to a cell are valid. Pairs with larger slips have no contact any more. slid_too_far() reports those with
+// Slips of up to a cell are valid. Pairs with larger slips have no contact. slid_too_far() reports those with
 // both copies connected to a grain. A piece that is connected to no grain flies freely and is not reported: it reaches
 // the plane of the face from which it broke off elsewhere, where there is no contact.
 #ifndef MPDEM_COUPLING_CRACK_FACES_H

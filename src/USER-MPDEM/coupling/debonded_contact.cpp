@@ -130,7 +130,7 @@ double DebondedContact::follow(Block& b, PointStore& points, const BondEnd& s, T
   if (!b.closed && !was) return 0.0;
   const TractionStiffness k = p_.contact();
   const vmask starts = lanes(static_cast<std::uint8_t>(b.closed & ~was));
-  const vd bears = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));
+  const vd bears = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));  // mu p, |kt e|
   const vmask slips =
       lanes(was) & (size > (1.0 + 1e-9) * bears);  // 1e-9: rounding is no slip; all of e slips where the gap opens, since bears is 0
   const vd share = select(slips, 1.0 - bears / size, vd{});  // share of e that slips
@@ -139,7 +139,7 @@ double DebondedContact::follow(Block& b, PointStore& points, const BondEnd& s, T
     const vd slip = share * (s.R.a[0][i] * t.e[0] + s.R.a[1][i] * t.e[1] + s.R.a[2][i] * t.e[2]);
     b.stick_point[i] = select(starts, at, b.stick_point[i] + slip);
   }
-  // The slip happened between the last step and this one.
+  // The slip happened between the last step and this one, so the mean of the tractions of both works on it.
   const vd slides = select(size > (1.0 - 1e-9) * bears, bears, size);
   const double frictional =
       sum_lanes(masked(static_cast<std::uint8_t>(b.closed | was), 0.5 * b.area * (b.friction_traction + slides) * share * size / k.kt));
@@ -334,7 +334,7 @@ void DebondedContact::add_debonded_at_creation(PointStore& points, const BondRec
   for (Block& b : blocks_) {
     Touch t;
     touch(b, grid, bond_ends[b.side], t);
-    b.radius = min(b.radius, b.radius + t.gap);
+    b.radius = min(b.radius, b.radius + t.gap);  // so that a contact point nearer than that begins without a force
     for (int l = 0; l < kLanes; ++l)
       if (b.taken >> l & 1) points.contacts[b.contact[l]].radius = b.radius[l];
   }
@@ -386,7 +386,7 @@ DebondedContact::Found DebondedContact::nearest(const PointStore& points, const 
       along += m.n[d] * x;
       square += x * x;
     }
-    const vd apart = 9.0 * square - 8.0 * along * along;
+    const vd apart = 9.0 * square - 8.0 * along * along;  // along^2 + (3 across)^2
     for (int l = 0; l < kLanes; ++l) {
       if (!(intact >> l & 1)) continue;
       const double far = std::floor(apart[l] / part);
@@ -485,7 +485,7 @@ double DebondedContact::move(PointStore& points, const BondRecord& record, const
       }
     }
   }
-  lay_out(points, record, grid);
+  lay_out(points, record, grid);  // the blocks have copies of the contact points
   add_energy(grid, ends, after);
   return after - before_it;
 }

@@ -14,11 +14,11 @@
 //
 // A contact point is created where a link debonds. s = R^T q when it closes. While the material point of the link is
 // intact, the contact point follows the foot point of the link. A failed point carries no stress, so its contact point
-// has no load. The contact point then moves to the nearest intact point, half a spacing from it towards the grain.
-// Failed material between them keeps its thickness: r is the distance of the new contact point in the reference, or the
-// present distance if that is less. So no force appears at once. A material point has one contact point for each grain,
-// with the area of all contact points that moved to it. Points that are equally near share the area. A closed contact
-// point keeps its force.
+// has no load. The contact point is then remapped to the nearest intact point. It lies half a spacing from this towards
+// the grain. Failed material between it and the grain keeps its thickness: r is the distance of the new contact point in
+// the reference, or the present distance if that is less. So no force appears at once. A material point has one contact
+// point for each grain, with the area of all contact points that moved to it. Points that are equally near share the
+// area. A closed contact point keeps its force.
 //
 // The stiffness is that of the links, or PenaltyParameters::max_contact_stiffness if that is less. A contact point that touches
 // or is about to touch needs added mass as links do (added_mass.h), but twice as much. A node of mass m rebounds from a
@@ -117,7 +117,7 @@ class DebondedContact : public BondMechanism {
 
  private:
   struct Block {
-    vd X[3], area, added_mass_area, radius, stick_point[3], friction_traction;
+    vd X[3], area, added_mass_area, radius, stick_point[3], friction_traction;  // radius: r; stick_point: s; friction_traction: |kt e|
     vint base[3];
     int contact[kLanes];  // index in the store; -1: empty
     int side;

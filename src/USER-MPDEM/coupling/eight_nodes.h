@@ -15,7 +15,7 @@ struct EightNodes {
   vd counted;               // 1 where this rank counts the node, 0 where not and in the lanes beyond the last node
   vd X[3];                  // reference
   int node[kLanes], count;  // lanes beyond the last node have the first one
-  int unused[7] = {};       // lists of them are compared byte by byte
+  int unused[7] = {};       // pads the struct: lists of it are compared byte by byte
 
   EightNodes() = default;
   // of: `count` nodes, at least 1.
@@ -27,7 +27,8 @@ struct EightNodes {
     }
   }
 
-  // Reads values of the nodes, three numbers each. put() writes them, and add() adds to them.
+  // Reads values of the nodes, three numbers each. put() writes them, and add() adds to them. one_of() reads values of
+  // one number each. find_places() finds the present positions.
   void take(const double* values, vd* out) const {
     const double* p[kLanes];
     for (int l = 0; l < kLanes; ++l) p[l] = values + 3 * static_cast<long>(node[l]);

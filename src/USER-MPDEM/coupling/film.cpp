@@ -171,7 +171,7 @@ void Film::deform(std::size_t b, const Rotations& t, const BondEnd* bond_ends, v
     for (int j = 0; j < 3; ++j) F.a[i][j] = 0.5 * (t.Q[0].a[i][j] + t.Q[1].a[i][j]) + apart[i] * c.N[j];
 }
 
-// Debonds both links of a column: of one with a debonded face (debonds), or of one that failed.
+// Both links debond, whatever the cause. With a debonded face the column also loses its strain.
 void Film::debond(int slot, bool debonds) {
   columns_[slot / kLanes].cut |= static_cast<std::uint8_t>(1u << slot % kLanes);
   const auto [first, last] = of_slot(points.links, slot);
@@ -184,9 +184,9 @@ void Film::debond(int slot, bool debonds) {
   for (int i = 0; i < 6; ++i) strain[kLanes * i] = 0.0;
 }
 
-// The force of a column on its face at grain 1 with the present damage and the present openings of the faces. It is in
-// the axes of the creation, to which the rotation of either grain brings its value back: the rotations of the grains
-// relative to each other are of the order of the strain.
+// The force of a column on its face at grain 1 with the present damage and the present openings of the faces, in the
+// axes of the creation. Each grain gives a rotation to these axes. They differ by the order of the strain, so the mean
+// of both results is taken.
 template <class L>
 void Film::force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* bond_ends, vd* f) const {
   const PointBlock& p = points.blocks[b];
@@ -233,7 +233,7 @@ void Film::open_faces(const L& law, const T& traction, const Rotations& turns, c
       const Column& c = columns_[b];
       Faces& faces = faces_[b];
       const vd per_length = select(lanes(live), p.volume * c.inverse_t * c.inverse_t, splat(1.0)),
-               floor = 1e-12 * law.elasticity().C44 * per_length;
+               floor = 1e-12 * law.elasticity().C44 * per_length;  // per_length: A/t; floor: keeps compliances finite
       const Mat3<vd> soft = along_and_across(1.0 / (law.elasticity().C33 * per_length), 1.0 / (law.elasticity().C44 * per_length), c.N);
       vd f[3];
       force_on_face(law, b, turns, ends, f);
@@ -262,7 +262,7 @@ void Film::open_faces(const L& law, const T& traction, const Rotations& turns, c
           f[i] -= masked(live, grows_by[i]);
           for (int s = 0; s < 2; ++s) faces.open[s][i] += masked(live, step[s][i]);
         }
-        // Of two faces in series one softens and the other closes again. Equal faces would soften alike for ever.
+        // Of two faces in series only the more damaged one softens, and the other closes. Of equal ones that of grain `behind` does.
         typename T::State state[2] = {{faces.damage[0]}, {faces.damage[1]}};
         TractionUpdate u[2];
         for (int s = 0; s < 2; ++s) u[s] = traction.update(separation(faces.open[s], c.normal[s]), state[s]);
@@ -407,7 +407,7 @@ void Film::start_from(const BondEnd* ends) {
       const Eigen::Matrix3d R = svd.matrixU() * svd.matrixV().transpose();
       const Eigen::Quaterniond at_creation(p.q.w[l], p.q.x[l], p.q.y[l], p.q.z[l]), q = (Eigen::Quaterniond(R) * at_creation).normalized();
       const Eigen::Matrix3d frame = at_creation.toRotationMatrix();
-      // U - 1 by the singular values would lose its digits.
+      // small is U - 1. From the singular values it would lose its digits. e is the logarithm of U to second order.
       const Eigen::Matrix3d small = R.transpose() * (F - R), stretch = 0.5 * (small + small.transpose());
       const Eigen::Matrix3d e = frame.transpose() * (stretch - 0.5 * stretch * stretch) * frame;
       const double strain[6] = {e(0, 0), e(1, 1), e(2, 2), e(1, 2), e(0, 2), e(0, 1)};
@@ -444,7 +444,7 @@ Film::Strains Film::strains(const BondEnd* ends, const Eigen::Vector3d& middle) 
     for (int d = 0; d < 3; ++d) from_middle[d] = r[1][d] + (ends[1].x[d] - middle[d]);
     const Mat3<vd> to_present = inverse(p.F), frame = rotation_matrix(p.q);
     for (int j = 0; j < 6; ++j) {
-      double turn[3] = {0, 0, 0};
+      double turn[3] = {0, 0, 0};  // turn: rotation of grain 1; way: displacement of x_1; G: change of F
       vd way[3] = {};
       if (j < 3) way[j] = splat(1.0);
       else turn[j - 3] = 1.0;

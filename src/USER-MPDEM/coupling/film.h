@@ -106,7 +106,8 @@ class Film {
     Mat3<double> Q[2];
   };
   Rotations turns(const BondEnd* ends) const;
-  // Finds vectors r from the centres to the ends of the columns of block b, and the deformation gradient.
+  // Finds the deformation gradient F of the columns of block b, and vectors r from the centres of the grains to x_0 and
+  // x_1, with the openings of the faces. r has one entry a grain.
   void deform(std::size_t b, const Rotations& t, const BondEnd* ends, vd (*r)[3], Mat3<vd>& F) const;
   struct Loads;
 
@@ -119,8 +120,8 @@ class Film {
   void force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* ends, vd* f) const;
   template <class T>
   vd energy_of_faces(const T& traction, std::size_t b) const;
-  void debond(int slot, bool debonds);
-  void write_faces(int b);
+  void debond(int slot, bool debonds);  // debonds: a face of the column debonded; else its point failed
+  void write_faces(int b);              // writes the faces of block b to the links of the store
   static int grain_behind_of(const Column& c, std::uint8_t live);
   vd carried(int b) const { return masked(carrying(static_cast<std::size_t>(b)), points.blocks[b].volume); }  // volume that carries load
 

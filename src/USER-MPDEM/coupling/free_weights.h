@@ -20,7 +20,7 @@ class FreeWeights {
       : ties_(grid.ties), row_(grid.ties.row_of_each(grid.size())), weight_(grid.size(), 0.0), used_(grid.size(), 0) {}
 
   // Adds the row sums of a link of stiffness k at the position given by its columns and lane l of its weights. `sums`
-  // has two numbers a node, and the first of them is changed.
+  // points to the number of one grain at the first node. Each node has two such numbers.
   template <class Type>
   void add_row_sums(const int* column, const Weights<Type>& w, int l, double k, double* sums) {
     constexpr int S = Type::kSupport;

@@ -133,7 +133,7 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
         for (int j = 0; j <= i; ++j) D[lower_triangle(i, j)] += m(i, j);
       if (shared.m[0] == 0.0) continue;
       couplings_.push_back({static_cast<int>(g), other, turn * shared.coupling(distance(ends.ends[at], ends.ends[other]).data())});
-      if (fresh) W += std::copysign(1.0, shared.m[0]) * (turn * shared.matrix() * turn.transpose());
+      if (fresh) W += std::copysign(1.0, shared.m[0]) * (turn * shared.matrix() * turn.transpose());  // negative in find_impulse()
     }
     for (int i = 0; i < 6; ++i) {
       u.now[i][lane] = grain.acceleration[i];

@@ -95,10 +95,11 @@ class GrainAccelerations {
  private:
   // Numbers of an end that are summed over ranks: force and moment, moments of c (1 - c/N), and moments of c0 c1/N.
   static constexpr int kWidth = 6 + 2 * MassMoments::kSize, kPadded = (kWidth + kLanes - 1) / kLanes * kLanes;
-  // Eight grains, one a lane.
+  // Eight grains, one a lane. D: matrix of the free components. free: 1 or 0. given: prescribed acceleration, or 0. now,
+  // before: the last two iterates.
   struct Unknowns {
-    vd D[kSym6], inverse[kSym6];                       // matrix of the free components
-    vd load[6], given[6], free[6], now[6], before[6];  // free: 1 or 0
+    vd D[kSym6], inverse[kSym6];
+    vd load[6], given[6], free[6], now[6], before[6];
   };
   struct Coupling {
     int grain, other;  // index of the grain, and index of the other end of the bond
@@ -110,12 +111,12 @@ class GrainAccelerations {
                 const CondensedPack& condensed, bool loads_of_condensed);
   void sweep(double omega, bool first, const BondEnds& ends, CondensedPack& condensed);
 
-  std::vector<double> sum_;
+  std::vector<double> sum_;  // kWidth numbers an end
   bool begun_ = false;
   std::vector<Unknowns> unknowns_;
   std::vector<Coupling> couplings_;
   std::vector<double> of_grains_, from_others_;  // six numbers each
-  std::vector<std::array<double, 6>> found_;
+  std::vector<std::array<double, 6>> found_;     // acceleration of the grain of each owned end
   int sweeps_ = 1;
   double radius_ = 0;
   bool imprecise_ = false;

@@ -27,7 +27,7 @@ struct GrainState {
   double late_load[6] = {0, 0, 0, 0, 0, 0};  // force and torque that fixes after fix mpm added in the last step
   // Used with sub-steps, see cement/bond/spread_loads.cpp. spread: the loads of the host are spread. mean: three
   // running means, each of the one before, the first of the load. off and off_squared: running averages of the
-  // deviation of the load from held(), and of its square. between: load that is spread at the end of a step. path_offset: sum
+  // deviation of the load from held(), and of its square. between: (S + S')/2 of cement/step/substeps.cpp. path_offset: sum
   // of the distances of the positions in the sub-steps from the mean of the ends of the step. It is found before grains
   // move to other ranks, and used after that.
   bool spread = false;

@@ -415,7 +415,7 @@ void PenaltyLinks::update_block(const L& law, std::size_t i, const Weights<Type>
   const vd area = masked(attached, b.area);
   vd v[3];
   find_velocity(b, grid, s, w, q, v);
-  const vd taken = area * energy_loss_in_step(law, state(law, i), now, delta, n, v, dt);
+  const vd taken = area * energy_loss_in_step(law, state(law, i), now, delta, n, v, dt);  // energy that is dissipated or released
   step.dissipated += sum_lanes(area * u.dissipated);
   std::memcpy(&states_[L::kFields * i], &now, sizeof now);
   std::uint8_t freed = 0;
@@ -546,7 +546,7 @@ void PenaltyLinks::remove_dropped(const PointStore& points, const BondRecord& re
 void PenaltyLinks::add_stiffness(const Grid& grid, const BondEnd* ends, double dt, double* penalty) const {
   if (blocks_.empty()) return;
   const TractionStiffness& bound = p_.law->stiffness();
-  const double k = p_.stiffest(), damper = 2.0 * std::sqrt(std::max(bound.kn, bound.kt)) / dt;
+  const double k = p_.stiffest(), damper = 2.0 * std::sqrt(std::max(bound.kn, bound.kt)) / dt;  // counts as a spring, see added_mass.h
   FreeWeights free(grid);
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);

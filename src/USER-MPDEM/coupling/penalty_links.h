@@ -8,9 +8,9 @@
 //   f = -A (k_n (delta.n) n + k_t (delta - (delta.n) n)) - damping,   on the cement
 //   -f and -q_t x f on the grain.
 //
-// f and the moment derive from U = delta_b.K0.delta_b/2 in the frame of the grain. The lever arm must be q_t. Otherwise
-// angular momentum is lost when k_n != k_t. The link acts at the foot point on the grain's surface (`at surface`) or at
-// the material point itself (`at points`).
+// f and the moment derive from U = delta_b.K0.delta_b/2. Here delta_b is delta in the frame of the grain, and K0 the
+// stiffness there, which is constant. The lever arm must be q_t. Otherwise angular momentum is lost when k_n != k_t. The
+// link acts at the foot point on the grain's surface (`at surface`) or at the material point itself (`at points`).
 //
 // At the foot point the field is the polynomial of the cell of the *material point*, continued to the foot point.
 // Mostly both lie in one cell. If not, a node may have the foot point in its support, but no material point. Such a
@@ -163,6 +163,7 @@ class PenaltyLinks {
     std::uint8_t attached = 0, counts_for_added_mass = 0;
   };
 
+  // Positions of the links of a block, or their displacements in a step.
   struct Gaps {
     vd X[3];
   };
@@ -178,6 +179,7 @@ class PenaltyLinks {
   bool is_bonded(const PointStore& points, const Link& k) const {
     return k.attached && !(p_.law->leaves_residue() && points.has_failed(k.slot));
   }
+  // Component d of the position of a link: when its bond was created; where it acts, in the reference.
   double created(const PointStore& points, const Link& k, int d) const;
   double acts_at(const PointStore& points, const Link& k, int d) const;
   void base_of(const PointStore& points, const Link& k, int* base) const;
@@ -201,8 +203,9 @@ class PenaltyLinks {
   vd energy_at_debonding(const L& law, std::size_t block, const Grid& grid, const BondEnd& s, double dt) const;
   template <class L>
   typename L::State state(const L&, std::size_t block) const;
+  // Ends the force of the lanes `freed`, and adds their energy to `released`. Residue stays attached in the store.
   void release(std::size_t block, std::uint8_t freed, vd energy, bool is_residue, PointStore& points, double& released);
-  void take_states(const PointStore& points);
+  void take_states(const PointStore& points);  // from the links of the store
   // Neither this nor add_force_of() is inlined, so that forces are bitwise identical with and without update_block().
   template <class Type>
   __attribute__((noinline)) void compute_gap(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, vd* q,

@@ -11,7 +11,7 @@
 namespace mpdem {
 
 namespace {
-constexpr double kReach = 3.0;
+constexpr double kReach = 3.0;  // largest distance of a damped node from the centre of a grain, in radii
 }
 
 double RelativeDamping::rate(double thickness, double critical_share, double shear_speed) {

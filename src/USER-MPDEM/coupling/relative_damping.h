@@ -3,7 +3,7 @@
 //
 // Damping that brings a loaded bond to rest without slowing its grains. Every node is slowed relative to the velocity
 // that it would have if the cement followed its two grains,
-//   f = -rate m (v - (1 - s) v_1(x) - s v_2(x)),   s = d_1/(d_1 + d_2),
+//   f = -rate m (v - (1 - s) v_0(x) - s v_1(x)),   s = d_0/(d_0 + d_1),
 // with v_g the rigid motion of grain g at the node, and d_g the distance of the node from the surface of the grain at
 // creation. Grains take the reaction by the same shares, so momentum is kept. The rate is a share of twice the angular
 // frequency of a shear wave across the largest thickness, 2 pi c_s/thickness. This is about the critical damping of the

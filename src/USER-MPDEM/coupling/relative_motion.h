@@ -36,7 +36,7 @@ inline vd value(const double (&c)[N], vd x, Exact exact) {
   return map_lanes(x, [&](double a) { return value(c, a, exact); });
 }
 
-// sin a/a, (1 - cos a)/a^2, (a - sin a)/a^3 and (1 - a/2 cot(a/2))/a^2
+// sine(): sin a/a. cosine(): (1 - cos a)/a^2. rest_of_sine(): (a - sin a)/a^3. cotangent(): (1 - a/2 cot(a/2))/a^2.
 template <class T>
 inline T sine(T a2) {
   constexpr double c[] = {1.0, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800};
@@ -128,6 +128,7 @@ struct RelativeMotion {
     for (int s = 0; s < 2; ++s) r[s] = turned(turn[s], arm[s]);
     const Mat3<T> E = product(transpose(turn[0]), turn[1]);
     const T half = T{} + 0.5;
+    // E rotates by the angle |theta| about the axis theta. The vector sine has this axis, and the sine as its length.
     const Three<T> sine{{half * (E.a[2][1] - E.a[1][2]), half * (E.a[0][2] - E.a[2][0]), half * (E.a[1][0] - E.a[0][1])}};
     theta = turns::over_sine(dot(sine, sine), half * (E.a[0][0] + E.a[1][1] + E.a[2][2] - 1.0)) * sine;
     // Q = Q0 exp(theta/2)
@@ -152,9 +153,10 @@ struct RelativeMotion {
     const T half = T{} + 0.5;
     const Three<T> h = half * theta, turn = cross(of_delta, delta), once = cross(h, turn);
     const T h2 = dot(h, h);
-    // The axes rotate by half of theta.
+    // y: the derivative by theta with the p_s at rest. delta is in axes that rotate by half of theta, so of_delta adds a
+    // part by the Jacobian of exp(theta/2).
     const Three<T> y = of_theta + half * (turn + turns::cosine(h2) * once + turns::rest_of_sine(h2) * cross(h, once));
-    const Three<T> first = cross(theta, y);
+    const Three<T> first = cross(theta, y);  // z: moment that works on small rotations of grain 1 (inverse Jacobian of exp)
     const Three<T> z = y + half * first + turns::cotangent(dot(theta, theta)) * cross(theta, first);
     F = turned(Q, Three<T>{} - of_delta);
     M = cross(r[1], F) - turned(Q0, z);

@@ -3,7 +3,7 @@
 //
 // Impulses on grains that their cement shares. With sub-steps the load of the host acts on a grain only once in several
 // sub-steps. It would excite vibrations of the cement, and some of its modes would be in resonance. So such an impulse
-// moves grains and cement together. With the change of acceleration A_s of the grains a node has
+// moves grains and cement together. With the change of acceleration A_g of the grains a node has
 //
 //   a = (1 - s) P_0 A_0 + s P_1 A_1,   P_g the rigid motion of grain g at the node, s as in relative_damping.h,
 //
@@ -37,13 +37,13 @@ class SharedImpulse : public BondMechanism {
   void points_failed(const BondContext&, const std::vector<int>&, const std::vector<int>&, Losses&) override { stale_ = true; }
   // Forgets the last impulse, which acts only at the end of its step.
   void add_force(const BondContext&, Losses&) override { force_.clear(); }
-  // Finds the nodal mass of the intact points of this rank. Call it before an impulse. The caller sums holding() over
-  // the ranks that share nodes.
+  // Finds the nodal mass of the intact points of this rank. Call it before an impulse. The caller sums intact_mass()
+  // over the ranks that share nodes.
   void find_intact_mass(const PointStore& points, const Grid& grid, double density);
   std::vector<double>& intact_mass() { return intact_mass_; }
 
-  // Adds the moments of the mass of the nodes that this rank counts: about each grain with the masses m (1-s)^2 and m
-  // s^2, and shared with the mass m s (1-s).
+  // Adds the moments of the mass m of the nodes that this rank counts: `own` with m (1-s)^2 for grain 0 and m s^2 for
+  // grain 1, and `shared` with m s (1-s).
   void add_moments(const Grid& grid, const BondEnd* ends, EndMoments* of_ends) const;
   // Reads the change of acceleration of the grains from the ends. Adds the forces to nodes after their sum over ranks,
   // and the reaction to grains before their sum over ranks.

@@ -11,10 +11,11 @@ namespace mpdem {
 
 namespace {
 
-// Finds the largest number of paths from grain to grain with no point in common. It is the maximum flow through the
-// graph in which each point is an entry and an exit, joined by an arc of capacity one. Augmenting paths are searched in
-// sweeps. A sweep passes each entry and exit once, the nearest to the second grain first, for paths of any length.
-// Among many small gaps paths of all lengths are needed. A sweep for each length (Dinic) takes several times as long.
+// Finds the largest number of paths from grain to grain with no point in common. It is the maximum flow through the graph in which
+// each point is an entry and an exit, joined by an arc of capacity one. Arcs to neighbours lead from an exit to an entry and have no
+// limit. A further path may also go back along an arc of an earlier one, which then takes another way. Such paths are searched in
+// sweeps. A sweep passes each entry and exit once, the nearest to the second grain first, for paths of any length. Among many small
+// gaps paths of all lengths are needed. A sweep for each length (Dinic) takes several times as long.
 class Flow {
  public:
   // near: for each passable point those across its faces, kNone if there is none. attached: for each point and grain.
@@ -52,6 +53,7 @@ class Flow {
   int size() const { return static_cast<int>(near_.size()); }
   static int entry(int i) { return 2 * i; }
   static int exit(int i) { return 2 * i + 1; }
+  // before_ and after_ have the neighbours of a point on its path: kGrain at the ends of the path, kNone without a path.
   bool on_path(int i) const { return before_[i] != kNone; }
   bool reached(int node) const { return level_[node] > 0; }
   void reach(int node, int level) {
@@ -60,7 +62,7 @@ class Flow {
     queue_.push_back(node);
   }
 
-  // Finds the number of steps from each entry and exit to the second grain, 0 if it cannot be reached.
+  // Sets level_ of each entry and exit to its steps to the second grain, 0 without a way. spread_from_first(): steps from the first.
   void spread_from_second() {
     level_.assign(level_.size(), 0);
     queue_.clear();
@@ -97,7 +99,7 @@ class Flow {
     }
   }
 
-  // Next node towards the second grain: that with the fewest steps left which this sweep has not met, or kNone.
+  // Next node (entry or exit) towards the second grain: the one with the fewest steps left that this sweep has not met, or kNone.
   int step(int node) const {
     const int i = node / 2;
     int best = kNone;
@@ -115,7 +117,7 @@ class Flow {
     return best;
   }
 
-  // Adds a path from this point at the first grain over nodes that this sweep has not met. Returns false without one.
+  // Adds a path from this point at the first grain over nodes that this sweep has not met. Returns false if there is none.
   bool augment(int start) {
     walk_.assign(1, entry(start));
     met_[entry(start)] = 1;
@@ -152,7 +154,7 @@ class Flow {
   std::vector<char> met_;
 };
 
-// The passable points of a bond, and the flow over them.
+// Indices of the passable points of a bond, and the flow over these. Point k of the flow is points[k].
 struct Bond {
   std::vector<int> points;
   Flow flow;

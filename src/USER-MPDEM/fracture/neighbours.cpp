@@ -28,6 +28,7 @@ bool Neighbours::square(int i, int face, std::vector<int>* beside) const {
     if (beside) *beside = {i, other};
     return true;
   }
+  // The faces in a square of `width` by `width` about this face. All squares of m by m that have this face lie in it.
   for (int j = 0; j < width; ++j)
     for (int k = 0; k < width; ++k) {
       std::array<int, 3> here{points_[i].cell[0], points_[i].cell[1], points_[i].cell[2]};
@@ -39,7 +40,7 @@ bool Neighbours::square(int i, int face, std::vector<int>* beside) const {
       present[width * j + k] = pair[0] >= 0 && pair[1] >= 0;
       cut[width * j + k] = std::any_of(pair.begin(), pair.end(), [&](int p) { return p >= 0 && points_[p].failed; });
     }
-  // The first of the squares with most faces that has no failed point. At a rim even these lack some faces.
+  // Finds the first of the squares with most faces that has no failed point. At a rim even these lack some faces.
   int most = 0, j_whole = -1, k_whole = -1;
   for (int j0 = 0; j0 < m; ++j0)
     for (int k0 = 0; k0 < m; ++k0) {

@@ -16,7 +16,7 @@ namespace mpdem {
 struct CrackPoint {
   int tag;
   int cell[3];     // cell of the lattice
-  int layer;       // present piece, where layers are pieces (bond_record.h), else 0
+  int layer;       // its layer, where the layers of the bond are pieces (bond_record.h); else 0
   float space[6];  // space_ahead() towards -x, +x, -y, +y, -z, +z
   float damage;    // largest eigenvalue
   bool failed;
@@ -24,9 +24,9 @@ struct CrackPoint {
   double link_area[2];   // projected area of its links, debonded ones too
   float link_damage[2];  // largest damage of its links to this grain, 0 if the traction law has no damage
   int nearer;            // its side of an unbonded gap: the grain, by nearer_grain() of bond_record.h
-  bool middle;           // belongs to both sides, is_equidistant() of bond_record.h
+  bool middle;           // it belongs to both sides, by is_equidistant() of bond_record.h
   float above[2];        // distance from the surface of each grain
-  int connected = 3;     // PointRecord::connected
+  int connected = 3;     // bits of grains, as PointRecord::connected
 };
 
 // Most points that a cell of the grid may have in one direction, and so the largest value of `across`.
@@ -35,9 +35,9 @@ constexpr int kMostAcross = 16;
 class Neighbours {
  public:
   // across: least width of a bridge in points, in both directions, up to kMostAcross. A face between intact points
-  // belongs to a bridge if it lies in a square of this width of faces without a failed point beside them. At a rim the
-  // square must be one of those with most faces. A grid whose cells are as wide does not resolve a narrower bridge: the
-  // bridge has fewer strains than its nodes have degrees of freedom, and carries very little.
+  // belongs to a bridge if it lies in a square of faces of this width without a failed point beside it. At a rim the square must be
+  // one of those with most faces. A grid whose cells have this width does not resolve a narrower bridge: the bridge has fewer strains
+  // than its nodes have degrees of freedom, and carries very little.
   explicit Neighbours(const std::vector<CrackPoint>& points, int across = 1);
   // Indices of the points across the faces -x, +x, -y, +y, -z, +z, failed or not. -1 if there is none, or if the two
   // points are on different sides of an unbonded gap and do not touch.
@@ -51,6 +51,7 @@ class Neighbours {
 
  private:
   int at(const std::array<int, 3>& cell) const;
+  // Returns bridged(). beside: gets the points of bridge(), unless it is null.
   bool square(int i, int face, std::vector<int>* beside) const;
   std::vector<int> order_;
   std::vector<std::array<int, 6>> face_;

@@ -16,7 +16,7 @@ namespace mpdem {
 
 namespace {
 
-constexpr int kOut = -2, kIn = -1;  // values of seen_: not in the group; not reached yet
+constexpr int kOut = -2, kIn = -1;  // values of seen_: not in the group; in it, but in no component yet
 
 bool same_cell(const SplitterPoint& a, const SplitterPoint& b) {
   return a.cell[0] == b.cell[0] && a.cell[1] == b.cell[1] && a.cell[2] == b.cell[2];
@@ -211,7 +211,7 @@ void NodeSplitter::split_group(const GridIndex& node, const std::vector<int>& gr
       });
   }
   if (components.size() > 1) {
-    // the largest component keeps the copy
+    // From here on components are numbered by size. The largest one, 0, keeps the copy.
     std::vector<int> rank(components.size()), of(components.size());
     std::iota(rank.begin(), rank.end(), 0);
     std::stable_sort(rank.begin(), rank.end(), [&](int a, int b) { return components[a].size() > components[b].size(); });
@@ -304,8 +304,10 @@ bool NodeSplitter::Class::operator<(const Class& o) const {
                                       [](const PhantomNodes::Entry& a, const PhantomNodes::Entry& b) { return a.copy < b.copy; });
 }
 
+// Gives points the copies in wanted_, class by class. A class goes to a layer in which no node of its support is another copy. Writes
+// the rows of the affected nodes, and lists which nodes inherit the motion of which.
 NodeChange NodeSplitter::colour(PhantomNodes& copies) {
-  std::map<Class, std::vector<int>> classes;  // points that change, by their new class
+  std::map<Class, std::vector<int>> classes;  // points that change, by their new class; its layer is still the old one
   Class was{{}, -1, {}};                      // old class of the last point; points of a class mostly follow each other
   for (const auto& w : wanted_) {
     const SplitterPoint& p = points_[w.first];
@@ -328,7 +330,7 @@ NodeChange NodeSplitter::colour(PhantomNodes& copies) {
   for (const auto& w : wanted_) changes[w.first] = 1;
   for (auto& r : rows) {
     const PhantomNodes::Row* before = copies.row(r.first);
-    int last = -1;  // points of a layer mostly follow each other
+    int last = -1;
     std::vector<int> with_points;
     for_each_point(r.first, [&](int p) {
       const int layer = points_[p].layer;
@@ -366,6 +368,7 @@ NodeChange NodeSplitter::colour(PhantomNodes& copies) {
     PhantomNodes::Row row;
     const auto split = split_now_.find(r.first);
     for (const auto& e : r.second) {
+      // The first layer with a copy stands for it: its node has the motion. `stood`: the layer that did so before the change.
       const bool stands = std::none_of(row.begin(), row.end(), [&](const PhantomNodes::Entry& o) { return o.copy == e.second.copy; });
       const int stood = stands ? copies.representative(e.second.was, r.first) : 0;
       if (stands && stood != e.first) change.sources.push_back({r.first, e.first, stood});
@@ -380,6 +383,7 @@ NodeChange NodeSplitter::colour(PhantomNodes& copies) {
   return change;
 }
 
+// The layer of the class if its nodes there have no other copies, else the first such layer.
 int NodeSplitter::free_layer(const Class& c, const std::vector<RowNow*>& rows) const {
   const auto fits = [&](int layer) {
     for (std::size_t at = 0; at < rows.size(); ++at) {
@@ -395,7 +399,7 @@ int NodeSplitter::free_layer(const Class& c, const std::vector<RowNow*>& rows) c
   return layer;
 }
 
-// Finds continuations from the layers of each cell, which have one copy of each node of its support.
+// Finds continuations from cells: in each layer of a cell, neighbouring nodes of its support have one copy each, which continue each other.
 void NodeSplitter::find_continuations(PhantomNodes& copies) const {
   constexpr int kUnknown = -2, kNone = -1;
   PhantomNodes::Continuations& continuations = copies.continuations();

@@ -23,8 +23,8 @@ double NodeSplitter::volume_at(const GridIndex& node, const std::vector<int>& po
   return sum;
 }
 
-// Shares the volume of a copy between its components: rank[0] keeps the copy, and the others are copies from `next` on.
-// If the points of all components lie at the end of the support, the first one gets all.
+// Shares the volume of a copy between its components. rank: components by size. The first one, rank[0], keeps the copy, and the others
+// are copies from `next` on. If the weights of all points are zero at the node, the first component gets all.
 void NodeSplitter::share_volume(const GridIndex& node, const std::vector<int>& group, int copy, int next, const PhantomNodes& copies,
                                 const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
   double whole = -1.0, intact = 0.0;
@@ -47,7 +47,7 @@ void NodeSplitter::share_volume(const GridIndex& node, const std::vector<int>& g
 std::vector<GridIndex> NodeSplitter::leave(PhantomNodes& copies) const {
   struct Left {
     std::vector<int> intact, failed;   // points
-    double volume = 0.0, share = 0.0;  // volume of intact points; former volume of failed points
+    double volume = 0.0, share = 0.0;  // volume of intact points; volume that the copy had for failed points
   };
   std::vector<GridIndex> nodes;
   for (const auto& r : copies.rows()) nodes.push_back(r.first);

@@ -74,8 +74,8 @@ class PhantomNodes {
   // Makes the present copies those of the start.
   void start();
 
-  // Copy of the start at the next node in direction -x +x -y +y -z +z that shares a cell of material with this copy of
-  // the start. -1 if there is none, or if there are several.
+  // Copy of the start at the next node in direction -x +x -y +y -z +z that shares a cell of material with this copy of the start. 0
+  // if both nodes are whole. -1 if there is no such copy, or if there are several.
   int continuation(const GridIndex& node, int first, int direction) const;
   struct Continuation {
     int first;
@@ -109,7 +109,7 @@ struct NodeChange {
     int tag, layer;
   };
   std::vector<Moved> moved;  // points that change their layer
-  // Node of a layer, and the layer whose node was the representative for its points before the change.
+  // Node of a layer that inherits its motion, and the layer whose node had the motion of its points before the change.
   struct Source {
     GridIndex node;
     int layer, from;
@@ -153,7 +153,7 @@ class NodeSplitter {
   struct Now : PhantomNodes::Entry {
     int was;  // layer that some of its points had before
   };
-  using RowNow = std::map<int, Now>;
+  using RowNow = std::map<int, Now>;  // new row of a node, by layer
   class Around;
 
   template <class F>
@@ -182,16 +182,16 @@ class NodeSplitter {
 
   std::vector<SplitterPoint> points_;  // ascending in cell and tag
   Basis basis_;
-  int S_;  // nodes in each direction
+  int S_;  // nodes of a support in each direction
   Line line_;
   std::unordered_map<GridIndex, int, GridIndexHash, SameGridIndex> at_;  // first point of a cell of the lattice
-  bool one_a_cell_ = true;
+  bool one_a_cell_ = true;                                               // no cell of the lattice has two points
   std::vector<std::array<int, 6>> next_;  // for each point the first points of the cells across its faces -x +x -y +y -z +z; -1: none
-  std::vector<int> by_tag_;               // points
-  std::vector<int> by_base_;              // points
+  std::vector<int> by_tag_;               // points, ascending in tag
+  std::vector<int> by_base_;              // points, ascending in base
   std::unordered_map<GridIndex, std::pair<int, int>, GridIndexHash, SameGridIndex> base_;  // range in by_base_ of the points with a base
   // State while a node is examined.
-  std::vector<int> seen_;                      // one number for each point
+  std::vector<int> seen_;                      // of each point: its component, or kOut or kIn of node_splitter.cpp
   const UnbondedGap* unbonded_gap_ = nullptr;  // set during start() alone
   struct Middle {
     int size;

@@ -15,7 +15,8 @@ inline bool connected(const SplitterPoint& a, const SplitterPoint& b, int face) 
 
 inline GridIndex grid_index(const int* p) { return {p[0], p[1], p[2]}; }
 
-// The intact ones of the 26 points around a point, as bits of a mask in the order of x, y and z, and their connections.
+// Masks of the 26 points around a point. Bit q = 9 x + 3 y + z is the point at x, y, z, each from 0 to 2. here: the intact points.
+// faces: those connected to the middle point over a face. paths_: for each face, those connected to the point across it.
 class NodeSplitter::Around {
  public:
   static constexpr int kPlaces = 27, kMiddle = 13;
@@ -41,7 +42,7 @@ class NodeSplitter::Around {
     }
   }
 
-  // True if those points of the mask that share a face with the middle point are connected over points of the mask.
+  // True if the points of `faces` in the mask are connected to each other over points of the mask.
   bool are_connected(unsigned mask) const {
     const unsigned ends = faces & mask;
     if ((ends & (ends - 1)) == 0) return true;

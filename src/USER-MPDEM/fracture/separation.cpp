@@ -88,8 +88,8 @@ std::optional<float> damage_to_pass(const Neighbours& near, const std::vector<Cr
   return std::nullopt;
 }
 
-// Returns the tags of a shortest path from the first grain to the second over links and intact points of a layer with
-// at most this damage, and of the points of its bridges.
+// Finds a shortest path from the first grain to the second over links and intact points of a layer with at most this damage. Returns
+// the tags of its points and of the points of its bridges.
 std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>& points, float damage) {
   const auto passable = [&](int i) { return !points[i].failed && points[i].damage <= damage; };
   const auto reaches = [&](int i, int g) { return points[i].attached[g] && points[i].link_damage[g] <= damage; };
@@ -197,8 +197,8 @@ void count_between(const CrackPoint& a, const CrackPoint& b, double area, double
     if (at[g]) surface.at_grain[g] += at[1 - g] ? 0.5 * area : area;
 }
 
-// Finds the fracture surface. side: grains to which pieces and residue are attached, spread to all points. Links of
-// residue are intact. So the cement separates beside the residue, or through it if it is on both grains.
+// Finds the fracture surface. side: for each point the grains whose material or residue is nearest, by grow(). Links of residue are
+// intact. So the cement separates beside the residue, or through it if it is on both grains.
 void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points, const std::vector<Piece>& pieces, const double* face_area,
                   const std::vector<Assignment>& side, double reach, Separation& result) {
   const bool held = std::any_of(pieces.begin(), pieces.end(), is_attached) || std::any_of(points.begin(), points.end(), residue_on);
@@ -215,7 +215,7 @@ void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points,
       result.at_grain[0] += (1.0 - first) * points[i].link_area[0];
       result.at_grain[1] += first * points[i].link_area[1];
     }
-    for (int f = 1; f < 6; f += 2) {
+    for (int f = 1; f < 6; f += 2) {  // +x, +y, +z: each pair of points counts once
       const int j = near.of(static_cast<int>(i))[f];
       if (j >= 0 && side[j].held != 0)
         count_between(points[i], points[j], face_area[f / 2] * std::fabs(first - share_of_first(side[j].held)), reach, result);
@@ -244,7 +244,7 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   std::vector<int> piece_of, loose_part;
   const std::vector<Piece> pieces = find_pieces(near, points, piece_of);
   const std::vector<Assignment> of_piece = rank_pieces(pieces, next, loose_part);
-  std::vector<Assignment> goes(n), side(n);
+  std::vector<Assignment> goes(n), side(n);  // side: without loose pieces, for the fracture surface
   result.attached_grains.assign(n, 0);
   for (int i = 0; i < n; ++i) {
     if (piece_of[i] >= 0) result.attached_grains[i] = pieces[piece_of[i]].attached[0] + 2 * pieces[piece_of[i]].attached[1];

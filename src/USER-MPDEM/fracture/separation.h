@@ -49,7 +49,7 @@ struct FractureSurface {
 };
 
 struct Separation : FractureSurface {
-  // New layer of each point, in the order given. It counts pieces, as CrackPoint::layer does.
+  // New layer of each point, in the order given. Layers are pieces, as in CrackPoint::layer.
   std::vector<int> piece;
   std::vector<char> between;  // for each point: true if it is at equal distance from the material of both grains
   // For each point of a separated bond the bits of the grains that its piece is attached to, 0 for failed points.
@@ -64,8 +64,8 @@ constexpr int kLeastLoose = 64;  // points
 // have the layers of a separation. across: see Neighbours. reach: see above, 0 for a crack without a band.
 Separation separate(const std::vector<CrackPoint>& points, const double* face_area, bool again = false, int across = 1, double reach = 0.0);
 
-// For each point the bits of the grains to which its piece is attached now, whether the bond is separated or not. For a
-// failed point those of the grains on which it stays as residue. across: see Neighbours.
+// Returns for each intact point the bits of the grains to which its piece is attached, whether the bond is separated or not, and for
+// each failed point those of the grains on which it stays as residue. across: see Neighbours.
 std::vector<char> attached_grains(const std::vector<CrackPoint>& points, int across);
 
 }  // namespace mpdem

@@ -46,7 +46,7 @@ struct Crossings {
 };
 using Table = std::unordered_map<GridIndex, Crossings, GridIndexHash, SameGridIndex>;
 
-// Adds a crossing along axis d, from point a to point b of a row, to the nodes from the support of b to that of a.
+// Adds a crossing along axis d, from point a up to point b of a row, to the nodes that are in the supports of both.
 template <class Type>
 void add_crossing(const GapPoint& a, const GapPoint& b, int d, const BondRecord& record, double inverse_h, bool bridge, Table& table) {
   constexpr int S = Type::kSupport;
@@ -91,7 +91,7 @@ void for_each_crossing(std::vector<GapPoint>& points, F f) {
 // Comparisons have a margin of 1e-6, so that rounding does not decide where a share equals its limit.
 UnbondedGap find_unbonded_gap(std::vector<GapPoint>& points, const BondRecord& record, Basis basis, double cell) {
   UnbondedGap result;
-  const double all_rows = std::pow(cell / record.spacing, 2);
+  const double all_rows = std::pow(cell / record.spacing, 2);  // sum of the weights of all rows in the support of a node
   with_basis(basis, [&](auto type) {
     using Type = decltype(type);
     const auto adjacent = [](const GapPoint& a, const GapPoint& b, int d) { return b.cell[d] - a.cell[d] == 1; };

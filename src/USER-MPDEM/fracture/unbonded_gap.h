@@ -37,9 +37,9 @@ namespace mpdem {
 struct GapPoint {
   double X[3];          // centroid of the material
   int cell[3];          // cell of the lattice
-  int nearer_grain;     // its side of the gap, nearer_grain() of bond_record.h
+  int nearer_grain;     // its side of the gap, by nearer_grain() of bond_record.h
   double share;         // filled share of the cell
-  bool middle = false;  // is_equidistant() of bond_record.h
+  bool middle = false;  // it belongs to both sides, by is_equidistant() of bond_record.h
 };
 
 struct UnbondedGap {

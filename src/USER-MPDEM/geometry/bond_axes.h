@@ -8,9 +8,9 @@
 
 namespace mpdem {
 
-// Axes for the lattice and the grid of a bond along the unit vector n. They result from the smallest rotation that
-// takes the axis of the box nearest to n, in either sense, to n. Of axes equally near, up to kAlike, it is the first.
-// Both senses of n give the same axes. For a bond along an axis of the box, the axes are exactly those of the box.
+// Axes for the lattice and the grid of a bond along the unit vector n. They are those of the box after the smallest
+// rotation that takes the axis of the box nearest to n, in its nearer sense, to n. Of axes equally near, up to kAlike, it
+// is the first. n and -n give the same axes. For a bond along an axis of the box they are exactly those of the box.
 struct BondAxes {
   Eigen::Quaterniond turn;  // rotation from these axes to those of the box
   Eigen::Vector3d n;        // the vector in these axes: one component is 1 or -1, the others are 0

@@ -17,7 +17,7 @@ double overlap_angle(const GrainPair& p, int side, double t) {
   const double d = p.distance(), R = p.radius(side), S = p.radius(1 - side) + t;
   const auto cosine = [&](double r) { return (r * r + d * d - S * S) / (2.0 * r * d); };
   double least = std::min(cosine(R), cosine(R + t));
-  const double turning = d * d - S * S;
+  const double turning = d * d - S * S;  // square of the r at which the cosine is least
   if (turning > R * R && turning < (R + t) * (R + t)) least = std::min(least, cosine(std::sqrt(turning)));
   return std::acos(std::min(std::max(least, -1.0), 1.0));
 }
@@ -132,7 +132,7 @@ void Coating::add_breaks(std::vector<double>& at) const {
   const double d = pair().distance(), S1 = pair().R1 + t_, S2 = pair().R2 + t_;
   std::vector<double> z = {pair().height(0) + (d * d + S1 * S1 - S2 * S2) / (2.0 * d)};
   for (int s = 0; s < 2; ++s) {
-    const double S = pair().radius(s) + t_, continuations = s == 0 ? 1.0 : -1.0, h = pair().height(s);
+    const double S = pair().radius(s) + t_, continuations = s == 0 ? 1.0 : -1.0, h = pair().height(s);  // 1: the contact is above
     const double rim = std::sqrt(std::max(S * S - inner() * inner(), 0.0));
     for (double offset : {S, -S, rim, -rim, S * std::cos(cap_), pair().radius(s) * std::cos(cap_)}) z.push_back(h + continuations * offset);
   }

@@ -40,7 +40,7 @@ void gauss_rule(int n, std::vector<double>& at, std::vector<double>& weight) {
   }
 }
 
-double between_rims(const GrainPair& pair, int side, double from, double to) {
+double between_rims(const GrainPair& pair, int side, double from, double to) {  // area of the surface of a grain
   const double R = pair.radius(side);
   return 2.0 * M_PI * R * (sag(R, to) - sag(R, from));
 }
@@ -94,7 +94,7 @@ FilmFill film_fill(const Shape& shape, double spacing) {
   const double cell = kCellOfPoints * spacing, smaller = std::min(pair.R1, pair.R2);
   film.from = film.to = shape.inner();
   if (!(pair.thickness(film.from) < (1.0 - kNoFilm) * cell))
-    return film;  // where grains are parallel, radii have the square root of the rounding of the thickness
+    return film;  // near the line of centres a rounding error e of the thickness would make a film of the radius sqrt(e R)
   const double thin = pair.radius_of_thickness(cell);
   std::ostringstream why;
   const double rim = shape.spans() - thin;
@@ -130,7 +130,8 @@ std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmFill& film, co
   for (int i = 0; i < rings; ++i) {
     const double r = radius_at(at[i]), t = pair.thickness(r), inside = radius_at(passed), outside = radius_at(passed + weight[i]);
     passed += weight[i];
-    // heights of the surfaces rise by r/c, so dA = 2 pi r dr = 2 pi t/(1/c1 + 1/c2) d ln t
+    // Heights of the surfaces rise by r/c, so dA = 2 pi r dr = 2 pi t/(1/c0 + 1/c1) d ln t. The factor high - low of the
+    // weights is left out, since all sums are scaled at the end.
     double c[2], slopes = 0.0;
     for (int s = 0; s < 2; ++s) {
       const double R = pair.radius(s);

@@ -21,9 +21,9 @@
 namespace mpdem {
 
 struct FilmFill {
-  double from = 0.0, to = 0.0;  // radii; none if they are equal
-  double volume = 0.0, area[2] = {0, 0};
-  bool all = false;  // no cells outside of the film
+  double from = 0.0, to = 0.0;            // radii; none if they are equal
+  double volume = 0.0, area[2] = {0, 0};  // area: on either grain
+  bool all = false;                       // no cells outside of the film
   bool empty() const { return !(to > from); }
 };
 

@@ -105,7 +105,8 @@ double Hourglass::top(double z) const {
   return std::sqrt(neck_ * neck_ + k2_ * u * u);
 }
 
-// Over a distance d the function r^2 - w^2 - k^2 u^2 changes by at most |its gradient| d + max(1, k^2) d^2.
+// Over a distance d the function r^2 - w^2 - k^2 u^2 changes by at most |its gradient| d + max(1, k^2) d^2. The result is
+// the d at which this bound is as large as the function.
 double Hourglass::top_clearance(double r, double z) const {
   const double u = z - middle_;
   const double f = std::fabs(r * r - neck_ * neck_ - k2_ * u * u);

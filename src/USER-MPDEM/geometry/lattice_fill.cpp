@@ -35,7 +35,7 @@ Owner owner_around(const std::vector<Neighbour>& neighbours, const Vector3& x, d
   Owner owner = Owner::shape;
   for (const Neighbour& n : neighbours) {
     const double apart = n.middle.norm();
-    const double beyond = 0.5 * apart - x.dot(n.middle) / apart;  // distance before the plane between the middles
+    const double beyond = 0.5 * apart - x.dot(n.middle) / apart;  // distance from the plane half-way to the other middle
     if (beyond > reach) continue;
     const bool whole = n.shape->clearance(n.own(x)) >= reach, inside = n.shape->inside(n.own(x));
     if (whole && !inside) continue;
@@ -270,7 +270,7 @@ std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing, doub
   std::vector<FillPoint> points;
   double total = 0.0;
   for (auto& f : filled) {
-    total += f.second.volume;
+    total += f.second.volume;  // includes what neighbours own
     if (!neighbours.empty() && !leave_own(shape, spacing, neighbours, f.first, f.second)) continue;
     cells.push_back(f.first);
     points.push_back(f.second);

@@ -24,7 +24,7 @@ namespace mpdem {
 struct FillPoint {
   Vector3 X = Vector3::Zero();
   double volume = 0;
-  int links = 0;
+  int links = 0;      // how many of `link` there are
   bool film = false;  // a column of a film, see film_fill.h
   struct Attachment {
     int side = 0;
@@ -41,9 +41,9 @@ struct FillPoint {
 
 struct Neighbour {
   const Shape* shape;
-  Vector3 middle;                                            // origin of its coordinates
-  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rotation to its axes
-  Vector3 own(const Vector3& x) const { return turn * (x - middle); }
+  Vector3 middle;                                                      // origin of its coordinates
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();            // rotation to its axes
+  Vector3 own(const Vector3& x) const { return turn * (x - middle); }  // x in its coordinates
 };
 
 // Share of a shape in the material at x, which must be inside the shape, in its coordinates.

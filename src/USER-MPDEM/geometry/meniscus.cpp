@@ -20,19 +20,19 @@ Meniscus::Meniscus(const GrainPair& pair, double filling_angle, double contact_a
         << ", a right angle less the contact angle";
   if (!why.str().empty()) throw ShapeError(why.str());
 
-  // Radii are from the line of centres, heights from the centre of grain 1.
+  // Radii are from the line of centres, heights from the centre of the first grain.
   const double R1 = pair.R1, R2 = pair.R2, d = pair.distance(), b = filling_angle, t = contact_angle;
-  const double pr = R1 * std::sin(b), pz = R1 * std::cos(b);
-  const double mr = std::sin(b + t), mz = std::cos(b + t);
+  const double pr = R1 * std::sin(b), pz = R1 * std::cos(b);  // (pr, pz) is P1
+  const double mr = std::sin(b + t), mz = std::cos(b + t);    // (mr, mz) is m
   const double apart = pr * pr + (pz - d) * (pz - d) - R2 * R2;
   const double slope = 2.0 * (R2 * std::cos(t) - mr * pr - mz * (pz - d));
   rho_ = apart / slope;
   r0_ = pr + rho_ * mr;
   z0_ = pz + rho_ * mz;
   const double s = std::sin(0.5 * (0.5 * M_PI - b - t));
-  waist_ = pr - 2.0 * rho_ * s * s;
-  // From the centre of grain 2 the centre of the arc appears at the angle b2 + alpha from the pole. The triangle of
-  // centre, contact point and centre of the arc has three known sides.
+  waist_ = pr - 2.0 * rho_ * s * s;  // r0 - rho without cancellation
+  // From the centre of the second grain the centre of the arc appears at the angle b2 + alpha from the line of centres. The
+  // way there by the end P2 of the arc has the lengths R2 and rho, and turns by t at P2.
   const double w = std::hypot(r0_, d - z0_);
   const double alpha = std::atan2(rho_ * std::sin(t), R2 + rho_ * std::cos(t));
   b_[0] = b;
@@ -66,8 +66,7 @@ double filling_for(const GrainPair& pair, double value, double contact_angle, do
       return 0.0;
     }
   };
-  // On the larger of two grains the angle ends before a right angle, where the arc leaves the girth of the smaller
-  // grain.
+  // If the first grain is the larger one, the largest angle is that at which the arc reaches the widest circle of the second.
   double limit = (0.5 * M_PI - contact_angle) * (1.0 - 1e-9);
   constexpr int kScan = 1000;
   for (int k = kScan - 1; k > 0 && measure_of(limit) == 0.0; --k) {
@@ -109,8 +108,8 @@ double Meniscus::neck() const {
   return top(z);
 }
 
-// Integral of r(z)^2 with r = waist + q, q = rho - sqrt(rho^2 - u^2). It uses the closed form. For a wide arc this
-// cancels, but q is smooth, so it uses Gauss-Legendre quadrature.
+// Integral of r(z)^2 with r = waist + q, q = rho - sqrt(rho^2 - u^2), by the closed form. On an arc that is short for its
+// radius this cancels. There q is smooth, so Gauss-Legendre quadrature is used.
 double Meniscus::profile_integral(double from, double to) const {
   if (std::max(std::fabs(from), std::fabs(to)) > 0.3 * rho_) {
     const auto primitive = [this](double u) {
@@ -129,7 +128,7 @@ double Meniscus::volume() const {
     const double R = pair().radius(s), h = 2.0 * R * std::pow(std::sin(0.5 * b_[s]), 2);
     V -= M_PI * h * h * (R - h / 3.0);
   }
-  V += lens_volume(pair().R1, pair().R2, pair().distance());
+  V += lens_volume(pair().R1, pair().R2, pair().distance());  // both caps have it
   return V - volume_within_inner();
 }
 

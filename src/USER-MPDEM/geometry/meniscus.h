@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Meniscus: a neck whose outline is a circular arc that meets both spheres at the contact
-// angle t. With b the filling angle on grain 1, P1 its point on the sphere and m the
-// direction from there to the centre O of the arc, at b + t from the line of centres, the
-// radius rho of the arc follows from |O - c2|^2 = R2^2 + rho^2 + 2 R2 rho cos t:
+// Meniscus: a neck whose outline is a circular arc that meets both spheres at the contact angle t. b is the filling
+// angle on the first grain, P1 the point on this sphere where the arc ends, and c2 the centre of the second grain. The
+// direction m from P1 to the centre O of the arc is at b + t from the line of centres. The radius rho of the arc follows from
+// |O - c2|^2 = R2^2 + rho^2 + 2 R2 rho cos t:
 //   rho = (|P1 - c2|^2 - R2^2) / (2 (R2 cos t - m.(P1 - c2))).
 // The volume is that of the solid of revolution under the arc, less the caps of the spheres in it.
 #ifndef MPDEM_GEOMETRY_MENISCUS_H
@@ -19,10 +19,10 @@ class Meniscus : public Shape {
   // Angles in radians. Throws ShapeError.
   Meniscus(const GrainPair& pair, double filling_angle, double contact_angle, double inner);
 
-  // Filling angle on grain 1 that gives this volume outside `inner`. Throws ShapeError.
+  // Filling angle on the first grain that gives this volume outside `inner`. Throws ShapeError.
   static double filling_for_volume(const GrainPair& pair, double volume, double contact_angle, double inner);
 
-  // Filling angle on grain 1 that gives this neck radius. Throws ShapeError.
+  // Filling angle on the first grain that gives this neck radius. Throws ShapeError.
   static double filling_for_neck(const GrainPair& pair, double neck, double contact_angle, double inner);
 
   double neck() const;

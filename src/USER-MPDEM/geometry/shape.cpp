@@ -89,7 +89,7 @@ double Shape::clearance(const Vector3& x) const {
   double apart = std::max({lowest() - z, z - highest(), -above[0], -above[1]});
   if (apart <= 0.0 && r > top(z)) apart = top_clearance(r, z);
   if (r < inner_ && between_centres(z)) apart = std::max(apart, std::min({inner_ - r, z - pair_.height(0), pair_.height(1) - z}));
-  if (apart > 0.0) return apart;
+  if (apart > 0.0) return apart;  // x is outside
   const double c = std::min({top_clearance(r, z), above[0], above[1]});
   return inner_ > 0.0 ? std::min(c, std::fabs(r - inner_)) : c;
 }
@@ -130,7 +130,7 @@ double Shape::smallest_thickness() const { return std::max(pair_.thickness(inner
 
 namespace {
 
-double slice(const Shape& shape, double z) {
+double slice(const Shape& shape, double z) {  // area of the cross-section at height z
   const double out = shape.top(z);
   double in2 = shape.between_centres(z) ? shape.inner() * shape.inner() : 0.0;
   for (int s = 0; s < 2; ++s) {

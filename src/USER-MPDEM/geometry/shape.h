@@ -17,10 +17,11 @@ namespace mpdem {
 
 using Vector3 = Eigen::Vector3d;
 
-// Two spheres and the line of centres. `gap` may be negative.
+// Two spheres and the line of centres. R1 is the radius of the first grain (side 0), R2 that of the second one (side 1).
+// `gap` may be negative.
 struct GrainPair {
   double R1, R2, gap;
-  Vector3 n;  // unit vector from grain 1 to grain 2
+  Vector3 n;  // unit vector from the first grain to the second
 
   double distance() const { return R1 + R2 + gap; }
   double radius(int side) const { return side == 0 ? R1 : R2; }
@@ -36,9 +37,9 @@ struct GrainPair {
   double volume_within(double a) const;
   // Radius at which thickness(r) = t; 0 if it is larger everywhere.
   double radius_of_thickness(double t) const;
-  // Radius within which cement is left out unless a script says otherwise: where the spheres are as far apart as
-  // touching ones are at a share of the smaller radius. It is that radius where they touch, less across a gap, more
-  // where they overlap. So it scales with the grains, and the cement is nowhere thinner.
+  // Radius within which cement is left out unless a script says otherwise. There the spheres are as far apart as
+  // touching spheres are at the radius `share` times the smaller one. So it is this radius if they touch, smaller across
+  // a gap, and larger if they overlap. It scales with the grains, and no cement is thinner than there.
   static constexpr double kLeftOut = 0.2;
   double usual_inner(double share = kLeftOut) const;
 };
@@ -89,6 +90,7 @@ class Shape {
   virtual double top(double z) const = 0;
   // Lower bound of the distance from (r, z) to the outer surface.
   virtual double top_clearance(double r, double z) const = 0;
+  // Least and largest height, and largest radius.
   virtual double lowest() const = 0;
   virtual double highest() const = 0;
   virtual double widest() const = 0;
@@ -145,8 +147,8 @@ double bisect_rising(F f, double lo, double hi) {
   return hi;
 }
 
-// Least value of a measure (volume, neck) that rises with a size, but is 0 for sizes below `hi` at which there is no
-// shape.
+// Least value above 0 of a measure (volume, neck) of shapes of all sizes up to `hi`. It must rise with the size. Small
+// sizes may have no shape, and count as 0.
 template <class F>
 double least_of_rising(F measure, double hi) {
   return measure(bisect_rising([&](double size) { return measure(size) > 0.0 ? 1.0 : -1.0; }, 0.0, hi));

@@ -25,7 +25,7 @@ struct ShapeOption {
   enum Range { positive, not_negative };
   std::string name;
   Role role = size;
-  double otherwise = 0.0;
+  double otherwise = 0.0;  // default of a detail
   Range range = positive;
 };
 

@@ -106,7 +106,7 @@ void Error::universe_one(const char* file, int line, const char* text) {
 namespace {
 std::string of_style(const char* kind, const char* style, const char* id, const char* text) {
   const std::string name = std::string(kind) + " " + style + " (id " + id + ")";
-  return std::strlen(text) > 2 ? name + ": " + text : "Illegal " + name + " command";
+  return std::strlen(text) > 2 ? name + ": " + text : "Illegal " + name + " command";  // LIGGGHTS gives no text for an illegal command
 }
 }  // namespace
 

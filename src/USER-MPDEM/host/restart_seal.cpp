@@ -39,8 +39,8 @@ struct Seal {
   std::uint64_t sum;     // checksum of the file and the members above
 };
 constexpr char kSealMagic[8] = {'M', 'P', 'D', 'E', 'M', 'e', 'n', 'd'};
-// Bytes. Every restart file is longer. What precedes the data of the atom style, and these data without bonds, are
-// shorter.
+// Bytes. Every complete restart file is longer. A truncated file of this length or more still has the head of the data of
+// the atom style.
 constexpr std::int64_t kShortest = 500;
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;

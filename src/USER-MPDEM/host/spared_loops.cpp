@@ -5,9 +5,9 @@
 // walls, and gravity. Here they end with the grains. See registration.cpp for how these definitions take precedence
 // over those of the library. patches/ has the same for a LIGGGHTS that is compiled anew.
 //
-// No atom behind the first group has a triangle next to it: LIGGGHTS finds these atoms in the bins of its neighbour
-// lists, which have only the first group by `neigh_modify include`. The contact flags of other atoms are never read.
-// `apart` says that a run was prepared so; `include` may have changed since.
+// The first group is that of `neigh_modify include`: the grains. Only its atoms are in the bins of LIGGGHTS' neighbour
+// lists, by which LIGGGHTS finds triangles next to atoms. So points have no triangles, and their contact flags are never
+// read. AtomVecMpdem::apart says that a run was prepared so; `include` may have changed since.
 #include <mpi.h>
 
 #include <algorithm>

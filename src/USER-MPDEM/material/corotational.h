@@ -28,7 +28,7 @@ inline Mat3<vd> rotation_matrix(const Frame& q, vd two = splat(2.0)) {
            {two * (xz - wy), two * (yz + wx), 1.0 - two * (xx + yy)}}};
 }
 
-// Returns (1, v/2) q. Its length is not 1.
+// Returns the product of the quaternions (1, v/2) and q, which rotates by about v after q. Its length is not 1.
 inline Frame turned(const Frame& q, vd vx, vd vy, vd vz) {
   const vd x = 0.5 * vx, y = 0.5 * vy, z = 0.5 * vz;
   return {q.w - x * q.x - y * q.y - z * q.z, q.x + x * q.w + y * q.z - z * q.y, q.y + y * q.w + z * q.x - x * q.z,
@@ -51,21 +51,21 @@ inline vd inverse_root_next_to_one(vd square) {
 
 // Frame after the Cayley rotation by the axial vector v: (1, v/2)/|.| q, from p = turned(q, v).
 inline Frame spun(const Frame& p, vd vx, vd vy, vd vz) {
-  // Normalising p itself keeps |q| = 1 over any number of steps. Without spin q keeps its bits.
+  // Normalising p itself, and not by (1 + v^2/4)^(1/2), keeps |q| = 1 over any number of steps. Without spin every bit of q stays.
   const vd square = square_of(p);
   const vd r = all_next_to_one(square) ? inverse_root_next_to_one(square) : 1.0 / sqrt(square);
   const vd n = select((vx == 0.0) & (vy == 0.0) & (vz == 0.0), splat(1.0), r);
   return {n * p.w, n * p.x, n * p.y, n * p.z};
 }
 
-// Advances frame and co-rotated strain over a step in which the deformation gradient
-// goes from F to F + dF. The gradient with respect to the mid-point configuration is
+// Advances frame and co-rotated strain over a step in which the deformation gradient goes from F to F + dF. The gradient of the
+// displacement of the step, with respect to the configuration half-way, is
 //   G = 2 (f - 1)(f + 1)^-1,  f = (F + dF) F^-1,  that is  G = dF (F + dF/2)^-1.
 inline void advance_strain(const Mat3<vd>& F, const Mat3<vd>& dF, Frame& q, Sym3<vd>& strain) {
   Mat3<vd> mid;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) mid.a[i][j] = F.a[i][j] + 0.5 * dF.a[i][j];
-  // Written so that the product does not wait for the division.
+  // The division is kept apart, so that the product does not wait for it.
   const Mat3<vd> c = cofactor(mid);
   const vd inverse = 1.0 / (mid.a[0][0] * c.a[0][0] + mid.a[0][1] * c.a[0][1] + mid.a[0][2] * c.a[0][2]);
   const Mat3<vd> G = product(dF, transpose(c));  // to be multiplied by `inverse`

@@ -5,8 +5,8 @@
 // principal axes of D it multiplies e_ij by the harmonic mean of 1 - D_i and 1 - D_j. It needs no axes: the symmetric
 // part of phi x is e, so that
 //   phi x = e + W,   x = A (e + W),   A W + W A = e A - A e
-// with a skew W. The axial vector of A W + W A is (tr A 1 - A) times that of W. So that of W is K axial(e A - A e) with
-// K = (tr A 1 - A)^-1. K has the eigenvalues 1/(A_i + A_j). The map is as accurate as A for every D, and without damage
+// with a skew W. The axial vector of A W + W A is (tr A 1 - A) times that of W. So W has the axial vector K axial(e A - A e)
+// with K = (tr A 1 - A)^-1. K has the eigenvalues 1/(A_i + A_j). The map is as accurate as A for every D, and without damage
 // it leaves every bit of e.
 #ifndef MPDEM_MATERIAL_EFFECTIVE_STRAIN_H
 #define MPDEM_MATERIAL_EFFECTIVE_STRAIN_H
@@ -21,6 +21,7 @@ struct Axial {
   T x, y, z;
 };
 
+// Returns s + W for the skew tensor W with the axial vector w.
 template <class T>
 inline Mat3<T> plus(const Sym3<T>& s, const Axial<T>& w) {
   return {{{s.xx, s.xy - w.z, s.xz + w.y}, {s.xy + w.z, s.yy, s.yz - w.x}, {s.xz - w.y, s.yz + w.x, s.zz}}};
@@ -50,7 +51,7 @@ inline Axial<T> commutator(const Sym3<T>& e, const Sym3<T>& a) {
           e.yz * a.xz - a.yz * e.xz + e.xy * (a.xx - a.yy) + a.xy * (e.yy - e.xx)};
 }
 
-// s m, from its upper triangle. The factors must be such that the product is symmetric.
+// Returns the product s m, which must be symmetric. Only its upper triangle is computed.
 template <class T>
 inline Sym3<T> symmetric_product(const Sym3<T>& s, const Mat3<T>& m) {
   return {s.xx * m.a[0][0] + s.xy * m.a[1][0] + s.xz * m.a[2][0], s.xy * m.a[0][1] + s.yy * m.a[1][1] + s.yz * m.a[2][1],

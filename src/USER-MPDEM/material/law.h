@@ -17,13 +17,13 @@
 //   threshold()           B of undamaged points that touch no grain
 //   interface()           factor on B of points that touch a grain
 //   growth(dt)            share of the growth that a step allows, 1 without viscosity
-//   softening()           a number of the curve by which points soften, for points whose position does not matter
+//   softening()           parameter of the curve by which a point softens, if its position does not matter; else softening_at()
 //   drive(strain, state, softening)    driving force Yeq and its threshold B: damage grows where Yeq is above B
 //   stress(strain, state)
 //   undamaged_drive(strain)            Yeq of the material without damage in that strain
 //   kDegree               Yeq of a strain c times as large is c^kDegree times as large, 1 or 2
 //   lowest_threshold()    the least B that a point can have
-//   trial(strain, state, softening)    stress, and bounds of drive and threshold
+//   trial(strain, state, softening)    stress, and bounds of Yeq and B, see LawTrial
 //   update(strain_start, strain, state, active, strength, growth, softening)    the step, see LawUpdate
 //   largest_damage(state), damage(state)      from 0 to 1; as a tensor, for output
 //   opening(strain, state)    tensor whose first principal axis is the normal of the crack, for output
@@ -83,7 +83,7 @@ class Law {
   // True if the law does no damage. Points then have no state, and none fails.
   bool inert() const { return fields() == 0; }
 
-  // Values of its options, in the order of words(); of an option with choices, the index of the chosen one.
+  // Values of the options of the law, in the order of words(). The value of an option with choices is the index of the chosen one.
   virtual std::vector<double> values() const = 0;
   // Largest damage of a point that has not failed.
   virtual double cutoff() const { return 0.0; }
@@ -95,16 +95,16 @@ class Law {
   // Lines with implied_strength() along the axis and in the plane.
   std::string report_of_strength() const;
 
-  // True if its softening can be chosen so that a crack takes the energy G_f per area.
+  // True if the softening of the law can be chosen so that a crack takes the energy G_f per area.
   virtual bool has_crack_energy() const { return false; }
-  // The energy that its softening was chosen for; 0: none.
+  // The energy per area for which the softening was chosen; 0: none.
   virtual double crack_energy() const { return 0.0; }
-  // Chooses its softening so. Throws std::domain_error with the allowed range if there is no such softening.
+  // Chooses the softening so for cells of this width. Throws std::domain_error with the allowed range if there is no such softening.
   virtual void set_crack_energy(double /* G_f */, double /* cell */) {}
 
-  // Length over which its strain is averaged, see mpm/drive_average.h; 0: none.
+  // Length over which strain is averaged, see mpm/drive_average.h; 0: none.
   double length() const { return length_; }
-  // Sets that length. G_f: energy per area for which the softening is chosen, for laws with has_crack_energy(); 0: the
+  // Sets this length. G_f: energy per area for which the softening is chosen, for laws with has_crack_energy(); 0: the
   // softening stays. Throws as set_crack_energy() does.
   virtual void set_nonlocal(double length, double /* G_f */) { length_ = length; }
   // Softening of a point at these distances from the surfaces of its grains, a number that only the law interprets.
@@ -113,12 +113,12 @@ class Law {
   virtual bool softens_by_position() const { return false; }
   // Softening of a layer of this thickness between two grains that is strained evenly.
   virtual double softening_of_layer(double /* thickness */) const { return 0.0; }
-  // Its curve in uniaxial tension, for the band that a length implies. Empty if the law has no curve.
+  // Curve of the law in uniaxial tension, from which the band of a crack follows. Empty if the law has no curve.
   virtual std::optional<SofteningCurve> softening_curve() const { return std::nullopt; }
   // Band in which the material breaks, for a law with a length. Empty if it is not known.
   std::optional<Localisation> crack_band() const;
 
-  // Names of its own columns of compute mpm/atom.
+  // Names of the columns of compute mpm/atom that this law adds.
   virtual std::vector<std::string> columns() const { return {}; }
   // True if the state is a damage tensor (xx yy zz yz xz xy) in the material frame.
   virtual bool state_is_tensor() const { return false; }

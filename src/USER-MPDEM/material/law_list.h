@@ -40,9 +40,9 @@ constexpr int number_of(LawList<L, Rest...>) {
 // An option of a script after the name of a law, with a number or one of `choices`.
 struct LawOption {
   std::string name;
-  bool (*allowed)(double);
+  bool (*allowed)(double);           // null if there are choices
   std::string range;                 // text "must ..." about the allowed numbers
-  std::string needed_for;            // text of what it is, if the law needs it
+  std::string needed_for;            // what the number is, for the error if it is missing; empty if the option may be left out
   std::vector<std::string> choices;  // the value is the index in this list; empty: a number
 };
 

@@ -16,7 +16,7 @@ constexpr int kPoints = static_cast<int>(kHalfBar * kPerLength);
 constexpr int kSteps = 60;  // steps of the damage in the middle
 constexpr double kLargestLastChange = 1e-10;
 constexpr int kMostIterations = 60;
-constexpr double kLongestStep = 0.3;
+constexpr double kLongestStep = 0.3;  // of x and of the logarithm of the stress
 
 // Averaging matrix of the points at i + 1/2 of a half bar, with mirror images at both ends.
 Eigen::MatrixXd kernel() {
@@ -28,7 +28,7 @@ Eigen::MatrixXd kernel() {
   return K;
 }
 
-// x of the points, and the logarithm of the ratio of the stress to that at the onset.
+// A state of the bar: x = -ln(1 - d) of the points, and the logarithm of sigma/sigma0.
 struct State {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(kPoints);
   double log_stress = 0.0;
@@ -40,8 +40,8 @@ class Bar {
     for (int i = 0; i < kPoints; ++i) curves_.push_back(curve_at((i + 0.5) / kPerLength));
   }
 
-  // Finds the state with x = `middle` in the middle in which damage grows at the first `growing` points alone. Returns
-  // false if Newton's method finds none.
+  // Finds the state with x = `middle` in the middle in which damage grows at the first `growing` points alone. Returns false if
+  // Newton's method finds none. As x[0] is given, the stress is the first unknown, in column 0 of J. x of the other points follows.
   bool solve(int growing, double middle, const State& before, State& s) const {
     s.x.tail(kPoints - growing) = before.x.tail(kPoints - growing);
     s.x[0] = middle;
@@ -73,7 +73,7 @@ class Bar {
     return false;
   }
 
-  // Energy per area, by the trapezoidal rule in the compliance.
+  // Energy per area that damage takes between two states, by the trapezoidal rule in 1/c.
   double work(const State& from, const State& to) const {
     double sum = 0.0;
     for (int i = 0; i < kPoints; ++i) {
@@ -84,7 +84,7 @@ class Bar {
     }
     return 2.0 / kPerLength * sum;
   }
-  // What the band stores beyond the bar around it.
+  // Energy per area that the band stores beyond the bar around it.
   double stored(const State& s) const {
     double sum = 0.0;
     for (int i = 0; i < kPoints; ++i) sum += 0.5 * std::exp(2.0 * s.log_stress) * std::expm1(curves_[i].compliance(s.x[i]).value);
@@ -115,7 +115,7 @@ std::optional<Localisation> localise(const std::function<SofteningCurve(double)>
     State found;
     bool any = false;
     if (step == 1) {
-      // Searches the longest interval without a point that would heal.
+      // Searches the longest interval without a point that would heal. A quarter of a cosine wave is the first guess.
       for (int n = 2; n < kPoints; ++n) {
         State s;
         s.log_stress = -0.1 * middle;
@@ -134,7 +134,7 @@ std::optional<Localisation> localise(const std::function<SofteningCurve(double)>
         found = s;
       }
     }
-    if (!any || found.log_stress >= 0.0 || growing > kPoints - kPerLength) return std::nullopt;
+    if (!any || found.log_stress >= 0.0 || growing > kPoints - kPerLength) return std::nullopt;  // no band, or too wide
     energy += bar.work(before, found);
     widest = std::max(widest, growing);
     before = found;

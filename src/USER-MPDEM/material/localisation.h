@@ -4,9 +4,9 @@
 // Finds the band in which an infinite bar of a softening material breaks. The strain is averaged over a length L before
 // it is compared with the curve of the law (mpm/drive_average.h). With stress sigma and damage d
 //
-//   strain     e/e0 = (sigma/sigma0) c(d),   sigma0 = E e0
+//   strain     e/e0 = (sigma/sigma0) c(d),   sigma0 = E e0,   e0 the strain at the onset, c the compliance over 1/E
 //   average    (ebar/e0)^(1/2) = G * (e/e0)^(1/2),   G a Gaussian of variance L^2
-//   damage     ebar/e0 <= k(d), equal where damage grows, and d never falls
+//   damage     ebar/e0 <= k(d), equal where damage grows, and d never falls;   k the threshold of the strain over e0
 //   spent      by damage, per area  integral of -(1/2) E e^2 d(1/c) over the bar
 //   energy     per area  spent, and what the band stores at the cut-off beyond the bar around it, (1/2) sigma
 //              (e - sigma/E): it is lost in waves when the middle fails. Together they are the area under stress over

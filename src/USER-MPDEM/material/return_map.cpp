@@ -7,8 +7,8 @@
 // growth that the tangent at (strain at the end, D_n) gives along the drive there. D is then of second order in the
 // step. With N at D_n, or solved for at the end of the step, it is of first order at the same cost, see bench/law.cpp.
 // With any N it ends on the surface. A jump far beyond the surface has no such middle. N is then the direction at D_n,
-// and after that twice the direction at the D that it led to. The same is done with literal Y, whose roots are not
-// single anywhere.
+// and after that twice the direction at the D that it led to. The same is done with `evolution full`, where the root may be one
+// of several even near the surface.
 //
 // The arithmetic of a lane does not depend on its neighbours: lanes stop and branch by masks.
 #include <cmath>
@@ -47,10 +47,10 @@ Sym3<vd> unit(const Sym3<vd>& Y) { return (1.0 / max(sqrt(contract(Y, Y)), splat
 
 }  // namespace
 
-// The start of the search for the new D.
+// What the search for the new D starts from.
 struct TensorDamage::Search {
   Sym3<vd> strain, damage;  // strain at the end of the step, damage at its start
-  vd B_scale, softening;
+  vd B_scale, softening;    // B_scale: factor on B, strength over tension weight, since the surface is s Yeq - B
   int evaluations = 0;
 };
 
@@ -58,13 +58,13 @@ struct TensorDamage::Search {
 struct TensorDamage::TrialState {
   Evaluation state;
   Sym3<vd> D, drive;
-  vd Yeq, excess;  // excess: Yeq - B
+  vd Yeq, excess;  // excess: Yeq - B, with B times Search::B_scale
 
   TrialState(const TensorDamage& law, const Sym3<vd>& strain, const Sym3<vd>& damage)
       : state(law.evaluate(strain, damage)), D(damage), drive(state.Y), Yeq(law.drive_by(drive)) {}
 };
 
-// The end of the search.
+// The result of the search: the new D with its stress and drive.
 struct TensorDamage::Found {
   Sym3<vd> D, stress, drive;
   void take(vmask lanes, const TrialState& x) {
@@ -99,8 +99,8 @@ vd TensorDamage::largest_growth(const Sym3<vd>& damage, const Sym3<vd>& directio
   for (int i = 0; i < 3; ++i) r[i] = 1.0 / sqrt(max(p_.Dcut - d.value[i], splat(1e-16)));
   const Sym3<vd> n = rotate_back(d.axes, direction);
   const Spectral m = eigen(scaled({r[0] * r[0], r[1] * r[1], r[2] * r[2], r[1] * r[2], r[0] * r[2], r[0] * r[1]}, n));
-  // The largest eigenvalue can be so small only with literal Y. Then nothing grows towards the cut-off, and ten units
-  // of Delta leave every surface behind.
+  // The largest eigenvalue can be so small only with `evolution full`. Then nothing grows towards the cut-off, and ten units of
+  // Delta leave every surface behind.
   return 1.0 / max(largest(m), splat(0.1));
 }
 
@@ -113,7 +113,7 @@ vmask TensorDamage::at_cutoff(const Sym3<vd>& D, double share) const {
   return ~((xx > 0.0) & (xx * yy - D.xy * D.xy > 0.0) & (determinant(m) > 0.0));
 }
 
-// Direction N, from the trial state x and the derivative G of its excess.
+// Direction N, from the trial state x and the derivative G of its excess. `beyond` are lanes whose tangent has no root below the cut-off.
 Sym3<vd> TensorDamage::direction(Search& s, const Sym3<vd>& strain_start, const TrialState& x, const Sym3<vd>& G, vmask lanes) const {
   const Sym3<vd> N = unit(x.drive);
   const vd along = contract(G, N);
@@ -190,7 +190,7 @@ vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vd limit,
   return missing;
 }
 
-// small_step() and jump() return the lanes that fail.
+// Both searches return the lanes that fail: small_step() near the surface, jump() far beyond it.
 vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const TrialState& x, vmask lanes, Found& found) const {
   const Sym3<vd> G = gradient(s, x), N = direction(s, strain_start, x, G, lanes);
   const vd along = contract(G, N);
@@ -199,8 +199,8 @@ vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const Tr
   const vd limit = largest_growth(s.damage, N);
   vmask failed = splat_mask(false);
   if (p_.exponent >= 0.0) {
-    // Next to the surface there is one root at most (kNearSurface). So one evaluation at the end of the range tells
-    // whether the root lies before it.
+    // Next to the surface there is one root at most (kNearSurface) if the threshold does not fall with damage. So one evaluation
+    // at the end of the range tells whether the root lies before it.
     const TrialState end = evaluate(s, s.damage + limit * N);
     failed = unsure & (along < 0.0) & (end.excess > 0.0);
     found.take(failed, end);

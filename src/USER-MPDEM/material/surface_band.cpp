@@ -13,7 +13,7 @@ namespace mpdem {
 
 namespace {
 
-constexpr double kMostThin = 2.99;  // largest exponent of thin layers: stress does not fall at 3
+constexpr double kMostThin = 2.99;  // largest exponent of thin layers; with 3 the stress would not fall
 
 double half_band(DamageParameters p, double exponent, double length) {
   p.exponent = exponent;

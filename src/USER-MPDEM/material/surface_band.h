@@ -26,16 +26,16 @@ namespace mpdem {
 
 struct DamageParameters;
 
-// Exponent with which a layer that softens as a whole takes the energy per area, at least that of the law, and at most
-// 2.99, where stress does not fall.
+// Exponent with which a layer that softens as a whole takes this energy per area. It is at least that of the law, and at most 2.99:
+// with 3 the stress would not fall.
 double exponent_of_layer(const DamageParameters& p, double energy, double thickness);
 
 class SurfaceBand {
  public:
-  // One exponent for all points.
+  // Gives all points the same exponent.
   explicit SurfaceBand(double exponent = 0.0) : middle_(exponent), surface_(exponent) {}
-  // For a material with these parameters and this length. Throws std::domain_error if no exponent
-  // spends the energy of a crack at a surface, see nonlocal_exponent().
+  // Finds the exponents of a material with these parameters and this length. Throws std::domain_error if no exponent spends the
+  // energy of a crack at a surface, see nonlocal_exponent().
   SurfaceBand(const DamageParameters& p, double length);
 
   bool depends_on_position() const { return thin_ > 0.0; }

@@ -21,7 +21,7 @@ double spent_work(double m, double keep) {
 // Work on a volume that is pulled to failure, over sqrt(2) B0.
 double band_work(double m, double Dcut) { return spent_work(m, 1.0 - Dcut) + 0.5 * std::exp((1.0 - m) * std::log(1.0 - Dcut)); }
 
-// Finds m in (-1,3) at which the rising function work(m) is `wanted`. Returns false if there is none.
+// Finds m in (-1,3) at which the rising function work(m) is `wanted`. Returns false if there is none. least, most: range of work(m).
 template <class F>
 bool find_exponent(F work, double wanted, double& least, double& most, double& m) {
   double lo = -1.0 + 1e-9, hi = 3.0 - 1e-9;
@@ -45,7 +45,7 @@ vd rough_power(vd a, vd y) {
   const vd whole = __builtin_convertvector((bits >> 52) - 1023, vd);
   const vd s = (mantissa - M_SQRT2) / (mantissa + M_SQRT2), s2 = s * s;
   const vd z = y * (whole + 0.5 + (2.0 / M_LN2) * s * (1.0 + s2 * (1.0 / 3.0 + 0.2 * s2)));
-  const double shifter = 0x1.8p52;
+  const double shifter = 0x1.8p52;  // its sum with z has the nearest whole number in its last bits
   const vd shifted = z + shifter, f = M_LN2 * (z - (shifted - shifter));
   const vd power = 1.0 + f * (1.0 + f * (0.5 + f * (1.0 / 6.0 + f * (1.0 / 24.0 + f * (1.0 / 120.0)))));
   return reinterpret_cast<vd>(reinterpret_cast<vmask>(power) + (reinterpret_cast<vmask>(shifted) << 52));
@@ -171,7 +171,7 @@ void TensorDamage::set_nonlocal(double length, double G_f) {
   Law::set_nonlocal(length, G_f);
   if (G_f > 0.0) p_.exponent = nonlocal_exponent(p_, G_f, length, kBandsOfSurface);
   crack_energy_ = G_f;
-  // without an energy to keep, the law stays as it was given
+  // Without a given energy there is none to keep at surfaces, so all points have the same exponent.
   surface_band_ = length > 0.0 && G_f > 0.0 ? SurfaceBand(p_, length) : SurfaceBand(p_.exponent);
 }
 
@@ -195,6 +195,8 @@ TensorDamage::Evaluation TensorDamage::evaluate(const Sym3<vd>& strain, const Sy
 
 Sym3<vd> TensorDamage::slope(const Evaluation& s, const Sym3<vd>& N) const {
   const Sym3<vd>& K = s.effective.K();
+  // Derivatives along N, with dA = -N. That of phi eps_e is W. It is skew, since the symmetric part of phi eps_e is the strain. W makes
+  // the derivative A W - N phi eps_e of eps_e symmetric. Q is the derivative of phi sigma, by the same condition on that of sigma.
   const Mat3<vd> NP = product(N, s.strain_A), NQ = product(N, s.stress_A);
   const Mat3<vd> W = plus(Sym3<vd>{}, K * twice_axial(NP));
   const Sym3<vd> stress_e = elasticity().stress(symmetric_product(s.effective.A(), W) - upper(NP));
@@ -223,14 +225,13 @@ vd TensorDamage::threshold(const Sym3<vd>& damage, vd m) const {
 }
 
 Sym3<vd> TensorDamage::stress(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
-  // This is the same call as in update(), so a state gives bitwise the same stress there and here.
+  // The call is the same as in update(), so a state gives bitwise the same stress there and here.
   return evaluate(strain, damage).stress;
 }
 
 TensorDamage::Trial TensorDamage::trial(const Sym3<vd>& strain, const Sym3<vd>& damage, vd softening) const {
   const Evaluation s = evaluate(strain, damage);
-  // Cutting the negative part of Y only shortens it, and the tension weight is at most one. So the bounds need no
-  // eigenvalues.
+  // Without its negative part Y is only shorter, and the tension weight is at most one. So the bounds need no eigenvalues.
   return {s.stress, 0.5 * contract(s.Y, s.Y), least_threshold(damage, softening)};
 }
 

@@ -128,7 +128,7 @@ class TensorDamage final : public LawOf<TensorDamage> {
   // one.
   Sym3<vd> stress(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
 
-  // Finds the stress, a bound of Yeq and one of B. Points keep their damage if the first bound is below the second.
+  // Finds the stress, and bounds of Yeq and B. Points keep their damage if the bound of Yeq is below that of B.
   using Trial = LawTrial;
   Trial trial(const Sym3<vd>& strain, const Sym3<vd>& damage, vd softening) const;
 
@@ -155,8 +155,8 @@ class TensorDamage final : public LawOf<TensorDamage> {
  private:
   struct Evaluation {
     EffectiveStrain<vd> effective;
-    Mat3<vd> strain_A, stress_A;   // phi eps_e and phi sigma
-    Sym3<vd> stress_e, stress, Y;  // Y with its negative part, see drive_by()
+    Mat3<vd> strain_A, stress_A;   // phi eps_e and phi sigma, with phi = A^-1
+    Sym3<vd> stress_e, stress, Y;  // sigma_e, sigma, and Y with its negative part, see drive_by()
   };
   __attribute__((noinline)) Evaluation evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
   // Derivative of Y along N.
@@ -182,7 +182,7 @@ class TensorDamage final : public LawOf<TensorDamage> {
 
   DamageParameters p_;
   double crack_energy_ = 0.0;
-  SurfaceBand surface_band_;  // of p_.exponent alone without a length
+  SurfaceBand surface_band_;  // without a length it has p_.exponent for all points
 };
 
 }  // namespace mpdem

@@ -145,7 +145,7 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
   const double* velocity = grid.velocity.data();
   PointStress<L> stress_at_end(points, law, dt, options, grid.drive_limit, result);
   PassClock clock(result.ticks);
-  // Lanes that stayed in their cell, for each block whose stress is deferred (point_stress.h).
+  // Lanes that stayed in their cell, for each block whose stress is deferred (point_stress.h). These blocks scatter in settle().
   std::uint8_t stayed[PointStress<L>::kMost];
   int waiting = 0, given = 0;
   const auto scatter_deferred = [&](int b, const Sym3<vd>& stress) {
@@ -209,8 +209,8 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
   settle();
 }
 
-// If the points of a cell fit into one block less, moves those of the emptiest block to the others. Returns true if
-// that block has linked points.
+// If the points of a cell fit into one block less, moves those of the emptiest block to the others. `node` is the first node of the
+// cell. Returns true if points with links moved.
 bool UpdatedPass::pack(PointStore& points, const Grid& grid, int node) {
   int in_cell = 0, blocks = 0, least = -1;
   for (int b = first_in_cell_[node]; b >= 0; b = next_in_cell_[b]) {

@@ -29,8 +29,8 @@ class UpdatedPass {
   // Interpolates the nodal velocity to the points of bonds from row first_row on, which have no velocity yet.
   static void start(PointStore& points, const Grid& grid, int first_row);
 
-  // Needs grid.velocity at the middle of the step. With `flip`, the caller must have added dt_v times grid.acceleration
-  // to it. Overwrites grid.mass, grid.momentum and grid.force with the sums of this rank.
+  // Does the pass of a step. dt: the step. dt_v: the kick. Needs grid.velocity at the middle of the step. With `flip`, the caller must
+  // have added dt_v times grid.acceleration to it. Overwrites grid.mass, grid.momentum and grid.force with the sums of this rank.
   void advance(PointStore& points, Grid& grid, const Law& law, double density, double dt, double dt_v, const Transfer& transfer,
                const AdvanceOptions& options, AdvanceResult& result);
 
@@ -42,8 +42,8 @@ class UpdatedPass {
   struct Move {
     int from, to;
   };
-  std::size_t blocks_of_layout = 0;  // number of blocks that the last layout made; set by the caller
-  int crossings() const { return crossings_; }
+  std::size_t blocks_of_layout = 0;             // number of blocks that the last layout made; set by the caller
+  int crossings() const { return crossings_; }  // number of points that left their cell in the last step
   // True if a point is near the end of the margin. The grid then needs a new layout before the next step.
   bool layout_is_stale() const { return stale_; }
   // Tag of a point that moved beyond the nodes of the grid, or whose position is not finite. 0 if there is none.
@@ -70,7 +70,7 @@ class UpdatedPass {
   std::vector<MovingPoint> in_transit_;
   PointStore hold_;                  // buffer for points between their old and new block
   std::vector<int> targets_;         // blocks that received points
-  std::vector<std::uint8_t> fresh_;  // lanes of each block that received points
+  std::vector<std::uint8_t> fresh_;  // of each block: lanes that received points in this step
   bool stale_ = false;
   int lost_ = 0, crossings_ = 0;
 };

@@ -15,7 +15,7 @@ namespace {
 
 struct Item {
   int row, layer, base[3], tag, slot;
-  int to_layer;  // layer of the block it goes to; blocks are planned by `layer`
+  int to_layer;  // new layer of the point; `layer` is the same, or 0 where a block may have several layers (`stay` of arrange())
 };
 
 bool same_cell(const Item& a, const Item& b) {
@@ -33,7 +33,7 @@ bool cell_before(const Item& a, const Item& b) {
 // Items of a block: those of its first cell, and those of the next cells in its row.
 struct Plan {
   int first = 0, count = 0;
-  int joined = kOneCell;
+  int joined = kOneCell;  // code of the row of cells
   struct Cell {
     int first = 0, count = 0;
   } more[kMostReach];
@@ -134,8 +134,8 @@ std::vector<Plan> plan_blocks(const std::vector<Item>& items, bool join) {
   return plans;
 }
 
-// Finds the lanes of the items of one cell, if these are in columns of a lattice (columns.h). The columns of a box are
-// numbered by the half of the cell in which they lie along x and y.
+// Finds the lanes of the items of one cell, if these are in columns of a lattice (columns.h); else the lanes stay. Columns of a box are
+// numbered by the halves of the cell along x and y in which they lie, others as they come. X, middle: positions, and middle of the cell.
 void assign_column_lanes(Plan& p, const double (*X)[3], const double* middle) {
   int lane[kLanes];
   const double *height[2] = {}, *column[4] = {};
@@ -181,6 +181,7 @@ bool share_coordinates(vd& X, std::uint8_t occupied, const int (&group)[kLanes],
 }  // namespace
 
 void PointStore::find_lattice(int b) {
+  // Groups of lanes with the same coordinate: x and y of a box, z of all lattices, and x and y of single columns.
   const int first[kLanes] = {0, 0, 0, 0, 1, 1, 1, 1}, second[kLanes] = {0, 0, 1, 1, 0, 0, 1, 1}, height[kLanes] = {0, 1, 0, 1, 0, 1, 0, 1};
   const int column[kLanes] = {0, 0, 1, 1, 2, 2, 3, 3};
   BlockMeta& m = meta[b];

@@ -4,7 +4,7 @@
 // Shape functions of the background grid: products of 1-D functions. Each 1-D function is a type (linear_hat.h,
 // quadratic_bspline.h, cubic_bspline.h), so that kernels are compiled for each of them. In each direction a point at X
 // uses kSupport nodes, the first of which is base = floor(X/h - kShift). Points with the same base form a cell. The
-// weights of a point, its values of the shape functions, sum to one and reproduce linear fields.
+// weights of a point, which are the values of the shape functions there, sum to one and reproduce linear fields.
 //
 // A new basis needs a file with such a type, and an entry at the end of the two lists below; the order is fixed, since
 // restart files store the index. The keywords of fix mpm, its messages, the bound of the time step and the kernels
@@ -14,7 +14,7 @@
 //   kShift          see above
 //   kMiddle         middle of a cell, measured from its base in units of h
 //   factors()       weights and gradients of eight points
-//   kAffine         h^2 over the second moment of the weights, sum w_I (X_I - X)^2; 0 if that moment depends on X
+//   kAffine         h^2 over the second moment of the weights along an axis, sum w_I (X_I - X)^2; 0 if that moment depends on X
 //   kSteepest       maximum over t of sum_I (dN_I/dt)^2 / N_I, 0 if unbounded (eigenvalue_bound, largest_eigenvalue.h)
 //   kConstrainedBelow      a node at the edge with less than this share of the mass of the next node inside is constrained
 //                   (extension_constraints.h)
@@ -105,10 +105,10 @@ struct Weights {
   static constexpr int kI = kSupport + reach_along(Joined, 0), kJ = kSupport + reach_along(Joined, 1),
                        kK = kSupport + reach_along(Joined, 2);
   static constexpr int kMost = kSupport + kReach;
-  vd w[3][kMost];   // [direction][node]
-  vd dw[3][kMost];  // per length
+  vd w[3][kMost];   // values, [direction][node]
+  vd dw[3][kMost];  // derivatives, per length
 
-  // Weights of a block of cells in a row. base: of the first cell. second, third: lanes in the second and third cell.
+  // Weights of a block of cells in a row. base: base of the first cell. second, third: lanes in the second and third cell.
   Weights(const vd* X, const int* base, vmask second, vmask third, double inverse_h) {
     static_assert(Joined != kOneCell, "blocks of cells in a row");
     for (int d = 0; d < 3; ++d) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A bond is the cement between two grains. Its record has origin and axes of its coordinates, its grains and its
-// lattice of points, all as at its creation, and its state. The table of records is the same on every rank.
+// A bond is the cement between two grains. Its record has origin and axes of its coordinates, its grains and its lattice of points, all
+// as at its creation, and its state. A row of the table of bonds is a record. The table is the same on every rank.
 //
 // A bond has its own axes. So lattice and grid lie along the line of centres, whatever its direction in the box, and
 // bonds of one shape have the same response and the same cost. Points, nodes and links of a bond are stored in these
@@ -25,11 +25,11 @@ enum class AxisRule { none, radial, bond, global };
 
 struct BondRecord {
   int grain[2] = {0, 0};                                    // tags, ascending
-  double origin[3] = {0, 0, 0};                             // of the coordinates of the bond, in the box
+  double origin[3] = {0, 0, 0};                             // origin of the coordinates of the bond, in the box
   double turn[4] = {1, 0, 0, 0};                            // quaternion, rotates from the axes of the bond to those of the box
-  double radius[2] = {0, 0};                                // of the grains
-  double centre[2][3] = {{0, 0, 0}, {0, 0, 0}};             // of the grains, from the origin
-  double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // of the grains at creation, to the axes of the bond
+  double radius[2] = {0, 0};                                // radii of the grains
+  double centre[2][3] = {{0, 0, 0}, {0, 0, 0}};             // centres of the grains, from the origin
+  double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // orientations of the grains at creation, to the axes of the bond
   double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};              // from unwrapped coordinates of LIGGGHTS to those of the bond
   double attached_area[2] = {0, 0};
   double box[3] = {0, 0, 0};            // period of the box, 0 where there is none; shifts are multiples of it
@@ -88,7 +88,7 @@ struct BondRecord {
   }
 };
 
-// Position of the middle of the gap on the line of centres, as a share of their distance from the first one.
+// Position of the middle of the gap on the line of centres: distance from the first centre over the distance of the centres.
 inline double share_to_middle(const BondRecord& record, double distance) {
   return 0.5 + 0.5 * (record.radius[0] - record.radius[1]) / distance;
 }

@@ -18,7 +18,7 @@ namespace {
 constexpr double kMostDistorted = 4.0;
 constexpr double kMostPressed = 0.1;  // largest pressure, over K
 
-// lambda_0 of points with the crack normals n0. along: n n in the material frame.
+// Finds lambda_0 of points with the crack normals n0. along: n n, with the normal n of the present crack in the material frame.
 vd width_when_closed(const PointStore& points, int block, const vd* n0, const Sym3<vd>& along, vd K) {
   const Mat3<vd> back = mpdem::inverse(points.blocks[block].F);
   vd square{};
@@ -132,7 +132,7 @@ ClosingPoints::Shear ClosingPoints::shear_of(const PointStore& points, const Blo
     s.e[i] = select(bear, gamma - b.gamma_f[i] - slip, vd{});
     slope += s.e[i] * gamma;
   }
-  // The component of F^-T e along n = lambda F^-T n0 is -e.gamma/lambda.
+  // g/G = F^-T e without its component along n = lambda F^-T n0, which is -e.gamma/lambda.
   const Mat3<vd>& m = c.inverse_transposed;
   for (int i = 0; i < 3; ++i) s.traction[i] = m.a[i][0] * s.e[0] + m.a[i][1] * s.e[1] + m.a[i][2] * s.e[2] + slope * c.across[i];
   return s;
@@ -146,7 +146,7 @@ vd ClosingPoints::energy_of(const PointStore& points, const Block& b, const Crac
 
 Mat3<vd> ClosingPoints::weighted_piola(const PointStore& points, const Block& b, const Crack& c, const Shear& shear) const {
   const vd volume = points.blocks[b.block].volume, k = volume * pressure(b, c) * c.lambda * c.lambda * c.lambda;
-  const vd G = G_ * volume * c.lambda * c.lambda;  // n = lambda F^-T n0
+  const vd G = G_ * volume * c.lambda * c.lambda;  // lambda of tau_e, and that of n = lambda F^-T n0
   const Mat3<vd>& m = c.inverse_transposed;
   Mat3<vd> T;
   for (int j = 0; j < 3; ++j) {

@@ -75,8 +75,8 @@ class ClosingPoints : public BondMechanism {
 
  private:
   struct Block {
-    int block;
-    vd n0[3], K, lambda_0;  // K is zero in intact lanes
+    int block;              // index in PointStore::blocks
+    vd n0[3], K, lambda_0;  // K is zero in lanes without a crack
     vd gamma_f[3];
     std::uint8_t fresh;  // lanes that failed in this step
     bool carried_shear;  // a crack of the block may have carried shear in the last step
@@ -84,10 +84,10 @@ class ClosingPoints : public BondMechanism {
   struct Crack {
     vmask undistorted, closed;    // lanes that are not too distorted; those of them whose crack is closed
     vd overlap, lambda;           // overlap: lambda_0 - lambda where it is closed, else 0
-    vd across[3], back[3];        // F^-T n0, F^-1 F^-T n0
+    vd across[3], back[3];        // F^-T n0 and C^-1 n0 = F^-1 F^-T n0
     Mat3<vd> inverse_transposed;  // F^-T
   };
-  // Shear of a crack: e and g/G.
+  // Shear of a crack: e, and traction = g/G.
   struct Shear {
     vd e[3], traction[3];
   };
@@ -98,7 +98,7 @@ class ClosingPoints : public BondMechanism {
   static vd pressure(const Block& b, const Crack& c);
   // Shear of the lanes `bear`, zero in the others and without friction.
   Shear shear_of(const PointStore& points, const Block& b, const Crack& c, vmask bear) const;
-  // Energy and stress of pressure and shear.
+  // Energy of pressure and shear, and their stress as in weighted_piola() of point_stress.h.
   vd energy_of(const PointStore& points, const Block& b, const Crack& c) const;
   Mat3<vd> weighted_piola(const PointStore& points, const Block& b, const Crack& c, const Shear& shear) const;
   // Updates slip and shear and returns the energy that friction takes. before: the crack at the beginning of the step.

@@ -43,7 +43,7 @@ struct ColumnWeights {
 
 namespace detail {
 
-// Sorts three components by column: U[n] has those of column n.
+// Sorts three components by column: U[n] has those of column n, in the lanes of the header.
 inline void by_column(const vd& x, const vd& y, const vd& z, vd (&U)[4]) {
   const vd low = __builtin_shufflevector(x, y, 0, 1, 2, 3, 8, 9, 10, 11);
   const vd high = __builtin_shufflevector(x, y, 4, 5, 6, 7, 12, 13, 14, 15);
@@ -82,13 +82,14 @@ inline void add_column(double* place, const vd& of0, const vd& of1, const vd& of
 // Number of columns with different weights along the second direction: all four, or in a box the two of a = 0.
 constexpr int own_columns(Lattice lattice) { return lattice == Lattice::box ? 2 : 4; }
 
-// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d. Neither this function nor scatter_gradient() is inlined, so that the compiler
-// reads single weights as memory operands, without instructions of their own.
+// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d. First sums along the columns of nodes (a: values, b: slopes), then over j, then over i. A, B, C
+// are sums over j: of values, slopes in the second direction, and slopes along the column. Neither this function nor scatter_gradient()
+// is inlined, so that the compiler reads single weights as memory operands, without instructions of their own.
 template <class Type, Lattice kLattice>
 __attribute__((noinline)) inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column,
                                                           const ColumnWeights<Type, kLattice>& s) {
   constexpr int kOwn = own_columns(kLattice);
-  vd U[3][4], middle[3][kOwn];
+  vd U[3][4], middle[3][kOwn];  // middle: sums at the nodes left out (kLeftOut), from which those of the others are measured
   const int order[3] = {kLeftOut, 0, 2};
 #pragma GCC unroll 3
   for (int n = 0; n < 3; ++n) {
@@ -154,7 +155,7 @@ template <class Type, Lattice kLattice>
 __attribute__((noinline)) inline void scatter_gradient(double* __restrict nodal, const int* column, const ColumnWeights<Type, kLattice>& s,
                                                        const Mat3<vd>& T) {
   constexpr int kOwn = own_columns(kLattice);
-  vd U[3][4], middle[3][kOwn];
+  vd U[3][4], middle[3][kOwn];  // middle: what the other nodes leave for the nodes left out (kLeftOut)
   for (int d = 0; d < 3; ++d) detail::by_column(T.a[0][d], T.a[1][d], T.a[2][d], U[d]);
   for (int q = 0; q < kOwn; ++q) {
     middle[0][q] = vd{};

@@ -26,11 +26,11 @@ namespace mpdem {
 
 enum class MassOf { all_points, unfailed_points };
 
-// out += scale M field for the points of this rank, three numbers a node. Constrained nodes pass theirs on.
+// out += scale M field for the points of this rank, three numbers a node. Constrained nodes pass theirs on to their mass receivers.
 void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale,
                          const std::vector<double>& field, std::vector<double>& out);
 
-// Inertial force of one bond. Caches the row sums of M until points fail.
+// Inertial force (M_L - M) a of one bond. Caches the row sums of M until points fail.
 class ConsistentMass : public BondMechanism {
  public:
   void points_failed(const BondContext&, const std::vector<int>&, const std::vector<int>&, Losses&) override { row_sums_.clear(); }

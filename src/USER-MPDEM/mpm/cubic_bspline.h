@@ -13,7 +13,7 @@ struct CubicBspline {
   static constexpr const char* kName = "cubic";  // see basis.h
   static constexpr int kSupport = 4;
   static constexpr double kShift = 1.0;   // base = floor(X/h - kShift)
-  static constexpr double kMiddle = 1.5;  // of the cell, from base
+  static constexpr double kMiddle = 1.5;  // middle of the cell, from base
   static constexpr double kAffine = 3.0, kSteepest = 3.14, kConstrainedBelow = 0.05;
   static constexpr bool kMayJoinCells = false;
 

@@ -25,8 +25,8 @@
 // average belongs to the state at the start of a step, e to the end of the step. So waves within a step do not change
 // the driving force of a point. Failed points take no part in averages.
 //
-// In the stronger half of a bond (imperfection.h) the roots e^(1/2) count a little less. So an average never exceeds
-// that of the roots themselves, and all bounds by these hold.
+// In the stronger half of a bond (imperfection.h) the roots e^(1/2) count a little less. So an average never exceeds the average of
+// the roots themselves, and bounds of this hold for it.
 #ifndef MPDEM_MPM_DRIVE_AVERAGE_H
 #define MPDEM_MPM_DRIVE_AVERAGE_H
 
@@ -45,8 +45,8 @@ constexpr double kMostAmplification = 100.0;
 // This is safe, since no average exceeds the largest strain. Later, find_limits() gives a better criterion.
 constexpr double kNearThreshold = 0.9;
 
-// Number of smoothing passes for the length L, and the weight of the last one. A single pass has weight 1, since a
-// smaller weight would need the roots at the points.
+// Number of smoothing passes for the length L, and the weight theta of the last one. A single pass has weight 1, since a smaller
+// weight would need the roots of the points themselves beside their means.
 struct SmoothingPasses {
   int count = 0;
   double last_weight = 1.0;  // in (0, 1]
@@ -72,9 +72,9 @@ class DriveAverage {
     if (start(points, grid, law, imperfection)) find_volumes(grid);
     for (int k = 0; k < sweeps.count; ++k) sweep(grid, sweeps, k);
   }
-  // Sets whether points keep their reference positions (default: no). If so, start() finds their weights anew only if a
-  // point failed since the last start(), or if the grid has no average. The grid has none after its nodes or
-  // constraints changed, and these change whenever points get other lanes or blocks.
+  // Sets whether points keep their reference positions (default: no). If so, start() finds their weights anew only if a point failed
+  // since the last start(), or if the grid has no average. The grid loses its average when nodes or constraints change, which they do
+  // whenever points get other lanes or blocks.
   void set_points_fixed(bool stand) { points_fixed_ = stand; }
   // Scatters the roots of the norms to the nodes. Returns true if the weights are new. Then find_volumes() must follow.
   bool start(const PointStore& points, Grid& grid, const Law& law, const Imperfection& imperfection);
@@ -109,7 +109,7 @@ class DriveAverage {
   std::vector<double> volume_, sum_, mean_;  // the same, padded, see scalar_sums.h
   bool volume_is_new_ = false;               // inverse_volume_ is not updated yet
   std::vector<vd> counted_volumes_;          // of each block: volumes times the factor of the imperfection
-  int holding_ = -1;                         // number of unfailed points of this rank in of_points_
+  int holding_ = -1;                         // number of unfailed points of this rank at the last start()
   ScalarSums of_points_;
 };
 

@@ -42,7 +42,7 @@ int index_of(const std::vector<Key>& keys, const Key& k) {
 
 int directions_of(Code code) { return __builtin_popcount(code); }
 
-// Calls f(node, weight, whether it receives mass) for each node behind k by its code.
+// Calls f(node, weight, true if the node receives mass) for each node behind k in the directions of the code.
 template <class F>
 void for_each_term(const Next& next, const Key& k, Code code, F f) {
   const double share = 1.0 / directions_of(code);
@@ -53,7 +53,7 @@ void for_each_term(const Next& next, const Key& k, Code code, F f) {
   }
 }
 
-class Resolver {
+class Resolver {  // replaces masters that are constrained by their own masters
  public:
   Resolver(const Next& next, const std::map<Key, Code>& codes) : next_(next), codes_(codes) {}
 
@@ -63,7 +63,7 @@ class Resolver {
     ExtensionConstraint t;
     t.constrained = k;
     std::map<Key, double> weights, shares;
-    const double share = 1.0 / directions_of(codes_.at(k));
+    const double share = 1.0 / directions_of(codes_.at(k));  // share of the mass
     for_each_term(next_, k, codes_.at(k), [&](const Key& master, double weight, bool next) {
       t.behind.emplace_back(master, weight);
       const auto code = codes_.find(master);
@@ -89,8 +89,8 @@ class Resolver {
   std::map<Key, ExtensionConstraint> done_;
 };
 
-// Codes of the nodes of this rank. All ranks that have a node find the same code, since sums over ranks are equal on
-// all of them (halo_sum.h).
+// Codes of the nodes of this rank, as doubles for fetch_values(). All ranks that have a node find the same code, since sums over ranks
+// are equal on all of them (halo_sum.h).
 std::vector<double> find_codes(MPI_Comm comm, Basis basis, const EdgeNodes& nodes) {
   const std::vector<Key>& keys = nodes.keys;
   const std::vector<double>& mass = nodes.mass;

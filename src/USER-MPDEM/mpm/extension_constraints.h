@@ -63,9 +63,8 @@ class ExtensionConstraints {
   void clear();
   // Follows nodes that got other indices. Their order must be the same.
   void renumber(const std::vector<int>& new_index);
-  // Replaces the constraints of these nodes (ascending) by the wanted ones. Returns true if a node at the edge, one
-  // with several masters, is now free or has other masters, weights or mass receivers. This moves momentum between
-  // nodes.
+  // Replaces the constraints of these nodes (ascending) by the wanted ones. Returns true if a node at the edge becomes free or gets
+  // other masters, weights or mass receivers, which moves momentum between nodes. Nodes at the edge are those with several masters.
   bool replace(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted, const std::vector<Key>& keys);
   // Returns the constraints with keys instead of indices, in the order of the constrained nodes.
   std::vector<ExtensionConstraint> by_key(const std::vector<Key>& keys) const;
@@ -96,7 +95,7 @@ class ExtensionConstraints {
     masters_.for_each(row, f);
   }
 
-  // Add the values of constrained nodes to their masters by the weights, and zero them. Three numbers a node, or one.
+  // Both add the values of constrained nodes to their masters by the weights, and zero them. Three numbers a node, or one.
   void gather_to_masters(double* values) const;
   void gather_scalars_to_masters(double* values) const;
   // The same with the absolute values of the weights, one number a node.
@@ -120,7 +119,7 @@ class ExtensionConstraints {
       node_.push_back(node);
       weight_.own().push_back(weight);
     }
-    void end_row();
+    void end_row();  // the row has the entries that add() has added since the last row
     void append(const Rows& other, int row);
     // Uses the list of weights of another object, whose rows can then be appended with append_sharing_weights().
     void take_weights(const Rows& other) { weight_ = other.weight_; }
@@ -143,7 +142,8 @@ class ExtensionConstraints {
     std::size_t memory_usage() const;
 
    private:
-    ShortList first_ = begun(), node_, first_weight_;  // first entry of a row, nodes of entries, first weight of a row
+    // first_: first entry of each row, and the number of entries; node_: of each entry; first_weight_: index in weight_ of each row.
+    ShortList first_ = begun(), node_, first_weight_;
     SharedList<double> weight_;
     static ShortList begun() {
       ShortList list;

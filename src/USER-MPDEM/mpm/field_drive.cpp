@@ -148,7 +148,7 @@ void set_field(PointStore& points, const Grid& grid, const double Q[3][3]) {
         Eigen::Matrix3d F;
         for (int i = 0; i < 3; ++i)
           for (int j = 0; j < 3; ++j) F(i, j) = p.F.a[i][j][l];
-        const Eigen::Matrix3d small = turn.transpose() * F;
+        const Eigen::Matrix3d small = turn.transpose() * F;  // 1 + a small gradient, whose skew part rotates by `spin`
         const Eigen::Vector3d spin = 0.5 * Eigen::Vector3d(small(2, 1) - small(1, 2), small(0, 2) - small(2, 0), small(1, 0) - small(0, 1));
         const double angle = spin.norm();
         Eigen::Quaterniond q(turn);

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Damage drive of points whose strain comes from a superposition of fields and not from steps, and how the points are
-// set to such a field. The root of a drive is (Yeq/B)^(1/n) with the degree n of the law, so it grows linearly with the
-// strain. B is the threshold that the step uses, including the factor of points that touch a grain.
+// set to such a field. Field j, one of six, is strain[j] times its amplitude d_j. The root of a drive is (Yeq/B)^(1/n) with the degree n
+// of the law, so it grows linearly with the strain. B is the threshold that the step uses, with the factor of points at a grain.
 #ifndef MPDEM_MPM_FIELD_DRIVE_H
 #define MPDEM_MPM_FIELD_DRIVE_H
 
@@ -23,9 +23,8 @@ double root_of_share(const Law& law, double share);
 // the norm of the strain. They are zero if the law has no damage.
 void find_strain_bounds(const PointStore& points, const std::array<std::vector<Sym3<vd>>, 6>& strain, const Law& law, double* bound);
 
-// Margin of a root: while sum_j |change of d_j| bound[j] is below it, no root exceeds `most`. `root` is the largest
-// root now, and b bounds the roots. A change c of this sum changes the square of a root by at most 2 b c + c^2 for
-// degree 2, and the root by at most c for degree 1.
+// Margin of a root: while c = sum_j |change of d_j| bound[j] is below it, no root exceeds `most`. `root` is the largest present root,
+// and b is a bound of all. For degree 2 the square of a root changes by at most 2 b c + c^2, for degree 1 the root by at most c.
 double margin_of_root(const Law& law, double b, double root, double most);
 // Margin of averages (drive_average.h). It assumes that each point has the norm 0, where the root grows most.
 double margin_of_average(const Law& law, double b, double root, double most);

@@ -11,7 +11,7 @@
 
 namespace mpdem {
 
-// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d
+// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d. A, B, C: sums over a plane of nodes of values, and of slopes in the second and third direction.
 template <class Type, int Joined>
 inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s) {
   using W = Weights<Type, Joined>;

@@ -86,7 +86,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
 
   const int S = support(basis), columns_of_cell = S * S;
   std::vector<Key> next = unique;
-  // Memory has two peaks: keys of neighbours while these are merged, and later all that is stored and sent of a node.
+  // Memory has two peaks: keys of neighbours while these are merged, and later all that is stored and sent of the nodes.
   constexpr double kBytesOfNode = 500.0;
   const double times = S + 2 * margin;
   double bytes = 0.0;
@@ -111,7 +111,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
       while (keys[walk[n]] < first) ++walk[n];
       columns[columns_of_cell * u + n] = walk[n];
     }
-  std::size_t u = 0;
+  std::size_t u = 0;  // last cell found: the wanted cells mostly ascend, so it or the next one is tried before a search
   const auto columns_at = [&](const Key& k) {
     if (unique[u] != k && (++u == unique.size() || unique[u] != k)) u = std::lower_bound(unique.begin(), unique.end(), k) - unique.begin();
     return &columns[columns_of_cell * u];
@@ -159,7 +159,7 @@ void Grid::set_motion(GridRequest& r, const std::vector<Key>& wanted, const std:
   std::size_t w = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const Key k = as_they_are ? keys[i] : source_of(keys[i], r);
-    if (as_they_are && w < wanted.size() && i > 0) ++w;
+    if (as_they_are && w < wanted.size() && i > 0) ++w;  // mostly the next one, which saves the search
     if (w >= wanted.size() || wanted[w] != k) w = std::lower_bound(wanted.begin(), wanted.end(), k) - wanted.begin();
     r.fresh[i] = !found[w];
     for (int c = 0; c < 3; ++c) {
@@ -187,7 +187,7 @@ void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes,
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
   if (most > most_bytes) throw GridTooLarge(most);
 
-  // One exchange serves all grids. Keys of bonds with several layers interleave, so they are sorted again.
+  // With several ranks one exchange serves all grids. Keys of bonds with several layers interleave, so they are sorted again.
   const int ranks = ranks_of(comm);
   constexpr int W = NodeKinematics::kWidth;
   if (ranks == 1) {

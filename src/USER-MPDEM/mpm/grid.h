@@ -49,8 +49,8 @@ class Grid {
   std::vector<double> momentum;        // of the points, `updated` kinematics only
   std::vector<double> inertial_force;  // (M_L - M) a, see consistent_mass.h; empty with the lumped mass alone
   ExtensionConstraints ties;
-  // Volume of a node that replaces the volume of its points; -1 where the points count. Empty if the points count at
-  // all nodes. See fracture/phantom_nodes.h.
+  // Volume of each node from which its mass follows; -1 where the mass follows from the points. Empty if that is so at all nodes. See
+  // fracture/phantom_nodes.h.
   std::vector<double> given_volume;
   // Nodes of the blocks without columns, in the order of for_each_node(). See BlockMeta::aliases.
   std::vector<int> aliases;
@@ -85,8 +85,8 @@ class Grid {
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored, std::vector<char>& fresh,
              int margin = 0, const std::vector<Key>& extra = {});
 
-  // Finds the columns of a cell after build(). Returns false if the cell has no nodes on this rank. base_node() returns
-  // its first node, or -1.
+  // Finds the columns of a cell after build(). Returns false if this rank lacks a node of the cell. base_node() returns the first node
+  // of the cell, or -1, and node_at() the node with this key, or -1.
   bool find_columns(Field field, const int* base, int* column) const;
   int base_node(Field field, const int* base) const;
   int node_at(const Key& k) const;
@@ -120,8 +120,8 @@ class Grid {
     halo.sum(force.data(), 3);
   }
 
-  // Constraints raise a bound of the largest eigenvalue by a factor. constraint_factor() is that of a node,
-  // largest_constraint_factor() is the largest of the nodes of this rank.
+  // Constraints raise the bound of the largest eigenvalue (largest_eigenvalue.h) by a factor. constraint_factor() is the factor at a
+  // node, and largest_constraint_factor() is the largest one of the nodes of this rank.
   double constraint_factor(int node) const {
     return constraint_factor_.empty() || ties.row(node) >= 0 ? 1.0 : constraint_factor_[node - ties.rows_before(node)];
   }
@@ -140,11 +140,11 @@ class Grid {
     force.swap(acceleration);
     clear_force();
   }
-  // v += dt_v a, u += dt_u v
+  // v += dt_v a, then u += dt_u v.
   void drift(double dt_v, double dt_u);
 
   bool finite() const;
-  bool is_at_rest() const;  // is each velocity zero?
+  bool is_at_rest() const;  // true if all velocities are zero
 
   NodeKinematics kinematics() const;
   // Shares lists with other grids that have equal ones, to save memory.
@@ -165,10 +165,10 @@ class Grid {
   bool any_constraints_ = false;           // true if any rank that shares the grid has constraints
   std::vector<double> constraint_factor_;  // factor of the bound for each free node; empty without constraints
   double largest_constraint_factor_ = 1.0;
-  std::vector<char> inside_;  // for first nodes of cells: well_inside(); empty without a margin
+  std::vector<char> inside_;  // for each node that is the first of a cell: well_inside(); empty without a margin
 };
 
-// Arguments of build() for one of many grids.
+// Arguments and result of build_grids() for one of many grids.
 struct GridRequest {
   Grid* grid = nullptr;
   std::vector<Grid::Cell> cells;

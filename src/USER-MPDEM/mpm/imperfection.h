@@ -15,9 +15,8 @@
 
 namespace mpdem {
 
-// The grain (0 or 1) whose half of the bond is the stronger one. It is the smaller grain, since of unequal grains the
-// larger one debonds anyway. Of equal grains it is the one ahead along the axis of the box that is nearest to the line
-// of centres. So the result does not depend on the order of the grains.
+// The grain (0 or 1) whose half of the bond is the stronger one. It is the smaller grain, since of unequal grains the larger one
+// debonds anyway. Of equal grains it is the one that grain_behind() does not return. So the result does not depend on their order.
 inline int stronger_grain(const BondRecord& record) {
   const double larger = record.radius[0] - record.radius[1];
   if (std::fabs(larger) > rounding_of_positions(record)) return larger > 0.0;

@@ -17,7 +17,7 @@ namespace mpdem {
 
 namespace detail {
 
-// The 3 S doubles of a column, in two vectors.
+// The 3 S doubles of a column of S nodes, in two vectors.
 template <int S>
 struct ColumnRow {
   using v2 = double __attribute__((vector_size(16)));

@@ -87,6 +87,7 @@ double eigenvalue_bound(Basis basis, double largest_stiffness, double density, d
   return most * largest_stiffness / (density * h * h);
 }
 
+// Lanczos iteration. v: present vector; before: the last one; w: M^-1 K v, then its new part. diagonal, side: tridiagonal matrix.
 EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvalueSystem>& systems, const Law& law, double tolerance) {
   // The vectors have the nodes of all bonds, one bond after the other.
   std::vector<std::size_t> first(systems.size() + 1, 0);

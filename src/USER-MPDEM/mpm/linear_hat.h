@@ -15,7 +15,7 @@ struct LinearHat {
   static constexpr const char* kName = "linear";  // see basis.h
   static constexpr int kSupport = 2;
   static constexpr double kShift = 0.0;   // base = floor(X/h - kShift)
-  static constexpr double kMiddle = 0.5;  // of the cell, from base
+  static constexpr double kMiddle = 0.5;  // middle of the cell, from base
   static constexpr double kAffine = 0.0, kSteepest = 0.0, kConstrainedBelow = 0.12;
   static constexpr bool kMayJoinCells = true;
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Moves points of a store to other layers without a new arrangement, see PointStore::arrange().
+// Moves points of a store to other layers without a new arrangement, see PointStore::arrange(), where families are explained. Homes stay
+// where they are. All copies are appended anew: those of families that change are filled, others are copied.
 #include <algorithm>
 #include <numeric>
 
@@ -58,7 +59,7 @@ int PointStore::add_block(int row, int layer, const Family& family, double cell,
   return b;
 }
 
-// Blocks of a family: the home, then its copies.
+// Returns the blocks of a family: the home, then its copies.
 std::vector<int> PointStore::blocks_of_family(int home) const {
   std::vector<int> of{home};
   const auto before = [](const Copy& c, int h) { return c.home < h; };
@@ -106,8 +107,8 @@ void PointStore::append_copy(const PointStore& from, int b) {
   if (!from.state_.empty()) state_.insert(state_.end(), from.state(b), from.state(b) + state_fields_);
 }
 
-// Fills block b with the points of its layer and empties its other lanes. b is a home with its old points, or a new
-// copy. `from` has the old blocks: old block n is block new_index[n] of it.
+// Fills block b with the points of its layer and empties its other lanes. b is a home that still has its old points, or a new copy.
+// `from` has copies of the old blocks: old block n is its block new_index[n].
 void PointStore::fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& new_index,
                             std::vector<int>& new_slot, double cell, Basis basis) {
   for (int l = 0; l < kLanes; ++l) {

@@ -28,7 +28,7 @@ typename L::State state_of(const PointStore& points, int b) {
   return s;
 }
 
-// Softening of the points of a block, for its law.
+// Softening of the points of a block, a number that only the law interprets (material/law.h).
 template <class L>
 vd softening_of(const PointStore& points, int b, const L& law) {
   return points.softening.empty() ? splat(law.softening()) : points.softening[b];

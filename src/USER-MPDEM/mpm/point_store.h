@@ -59,11 +59,10 @@ struct BlockMeta {
   static constexpr int kOwn = -1;
   int aliases = kOwn;                                 // first of its nodes in Grid::aliases; kOwn: it has columns
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // one bit for each lane
-  std::uint8_t split_checked = 0;                     // failed, and the nodes were split for it, see fracture/phantom_nodes.h
-  std::uint8_t distorted = 0;                         // failed, and too distorted to have a crack that closes, see closing_points.h
-  std::uint8_t connected[2] = {
-      0, 0};  // bits for each grain: connected to it at the last check after separation (fracture/separation.h); all set before
-  std::uint8_t linked = 0;             // had a link to a grain when it was made
+  std::uint8_t split_checked = 0;                     // lanes that failed, and for which nodes were split, see fracture/phantom_nodes.h
+  std::uint8_t distorted = 0;          // lanes that failed and are too distorted for a crack that closes, see closing_points.h
+  std::uint8_t connected[2] = {0, 0};  // for each grain the lanes connected to it at the last check; before separation all
+  std::uint8_t linked = 0;             // lanes whose point had a link to a grain when it was made
   std::uint8_t second = 0, third = 0;  // lanes in the second and the third cell of the row
   Lattice lattice = Lattice::none;     // arrangement of its points, with empty lanes at matching positions
   bool damaged = false;                // some lane failed, or has a state of the law that is not 0
@@ -154,13 +153,13 @@ class PointStore {
   // slot, -1 for an empty one. Order and blocks depend on the points alone, not on the order of their arrival. Links
   // and contact points are moved with them.
   // new_layer: the new layer of some slots (ascending).
-  // stay: points will not change cells. This has three effects. Points of one cell that are in columns of a lattice
-  // take the lanes of columns.h. Blocks that are not full share one block with those of one or two next cells in a row,
-  // if they fit. Such a block has a third or two thirds more nodes, but it replaces two or three blocks. And layers
-  // change neither blocks nor lanes: a block whose points are in several layers becomes a family. The home of a family
-  // has the points of the first layer. Each other layer has a copy of the block, in which a point has the same lane as
-  // in the home. Blocks of a family span only the cells in which their points are. Copies come after all homes, in the
-  // order home, layer.
+  // stay: points will not change cells. This has three effects.
+  // 1. Points of one cell that are in columns of a lattice get the lanes of columns.h.
+  // 2. Blocks that are not full are merged with those of one or two next cells in a row, if their points fit into one block. Such a
+  //    block has a third or two thirds more nodes with the quadratic basis, but it replaces two or three blocks.
+  // 3. Layers change neither blocks nor lanes. A block whose points are in several layers becomes a family. The home of a family has
+  //    the points of its first layer. Each other layer has a copy of the block, in which a point has the same lane as in the home.
+  //    Blocks of a family span only the cells in which their points are. Copies come after all homes, in the order home, layer.
   std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_layer = {}, bool stay = false);
 
   // Moves points to other layers after arrange() with `stay`. Blocks are bitwise identical to those of arrange().
@@ -175,7 +174,7 @@ class PointStore {
   // True if points came or left since arrange().
   bool changed() const { return changed_; }
   int size() const;         // points
-  bool unstrained() const;  // is each deformation gradient the identity, and each strain zero?
+  bool unstrained() const;  // true if all deformation gradients are the identity, and all strains zero
   bool any_failed() const;
   // Bits of the grains to which a point is connected, as in a PointRecord.
   int connected(int slot) const {
@@ -282,7 +281,7 @@ class PointStore {
     int home, layer;
   };
   std::vector<Copy> copies_;
-  // For each lane of a home: its layer, the block from which its point is taken, and its cell; -1 if it is empty.
+  // For each lane of a home: the layer of its point, the block from which the point is taken, and its cell; -1 if the lane is empty.
   struct Family {
     std::array<int, kLanes> layer, from;
     std::array<std::array<int, 3>, kLanes> cell;
@@ -294,6 +293,7 @@ class PointStore {
   };
   int add_block(int row, int layer, const Family& family, double cell, Basis basis);
   std::vector<int> blocks_of_family(int home) const;
+  // Returns the families that have one of these slots, by their home, with the new layers of the slots.
   std::map<int, Family> families_that_divide(const std::map<int, int>& layer_of_slot) const;
   PointStore some(const std::vector<int>& which) const;
   void append_copy(const PointStore& from, int b);

@@ -51,7 +51,6 @@ class PointStress {
  public:
   static constexpr int kMost = 8 * kLanes;  // most blocks in the queue
 
-  // limit: Grid::drive_limit of the grid of these points.
   PointStress(PointStore& points, const L& law, double dt, const AdvanceOptions& options, const std::vector<vd>& limit,
               AdvanceResult& result)
       : points_(points),
@@ -71,8 +70,9 @@ class PointStress {
     }
   }
 
-  // Finds the stress of block b in its material frame, zero in failed lanes. Returns false if the block is queued for
-  // flush(). strain_start is the strain before the step. average() gives the average that drives nonlocal damage.
+  // Finds the stress of block b in its material frame, zero in failed lanes. Returns false if the block is queued for flush(). Bounds
+  // that show that no damage grows are tried first, the cheapest first. strain_start: the strain before the step. average(): gives
+  // the average that drives nonlocal damage.
   template <class Average>
   bool operator()(int b, const Sym3<vd>& strain_start, const Average& average, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
@@ -116,7 +116,7 @@ class PointStress {
   using State = typename L::State;
   static constexpr int kVectors = kMost / kLanes + 1;
 
-  // average: average of the root of the norm of strain, used by nonlocal damage alone.
+  // Does what operator() does, for a block that has damage or may get some. average: of the root of the norm of strain, if nonlocal.
   __attribute__((noinline)) bool damaged(int b, const Sym3<vd>& strain_start, vd average, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
     const BlockMeta& m = points_.meta[b];
@@ -130,7 +130,7 @@ class PointStress {
       const vd root = root_of_norm(law_, p.strain);
       // It is found in each step of a block with damage, so it never belongs to an older strain.
       if (m.damaged) points_.keep_root_of_norm(b, root);
-      const vd a = drive_factor<L>(average / max(root, splat(1e-100)));
+      const vd a = drive_factor<L>(average / max(root, splat(1e-100)));  // amplification of the drive, see drive_average.h
       strength /= min(max(a, splat(1e-100)), splat(kMostAmplification));
     }
     const vd threshold = strength * t.least_threshold;
@@ -192,9 +192,9 @@ class PointStress {
   PointStore& points_;
   const L& law_;
   AdvanceResult& result_;
-  const vd* limit_;              // limit of each block; null: square_near_ for all
-  double B_, weakest_, growth_;  // B_: threshold of blocks that touch no grain, weakest_: of others
-  double square_near_, root_B_, root_weakest_;
+  const vd* limit_;                             // Grid::drive_limit of each block; null: square_near_ for all
+  double B_, weakest_, growth_;                 // B_: threshold of blocks that touch no grain, weakest_: of others
+  double square_near_, root_B_, root_weakest_;  // Yeq^2 near the threshold; least averages with which damage grows, as B_ and weakest_
   bool always_, nonlocal_;
 
   struct QueuedBlock {

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Template of the points that a bond will have when they are made. Bonds of equal geometry share one, since they are
-// equal in their own axes. Every rank has all templates. BondRecord::point_template is the number of that of a bond without
-// points.
+// equal in their own axes. Every rank has all templates. BondRecord::point_template is the number of the template of a bond that has
+// no points yet.
 #ifndef MPDEM_MPM_POINT_TEMPLATE_H
 #define MPDEM_MPM_POINT_TEMPLATE_H
 

@@ -15,7 +15,7 @@ struct QuadraticBspline {
   static constexpr const char* kName = "quadratic";  // see basis.h
   static constexpr int kSupport = 3;
   static constexpr double kShift = 0.5;   // base = floor(X/h - kShift)
-  static constexpr double kMiddle = 1.0;  // of the cell, from base
+  static constexpr double kMiddle = 1.0;  // middle of the cell, from base
   static constexpr double kAffine = 4.0, kSteepest = 6.0, kConstrainedBelow = 0.12;
   static constexpr bool kMayJoinCells = true;
 

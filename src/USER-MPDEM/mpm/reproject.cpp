@@ -34,7 +34,7 @@ void add_affine(const PointStore& points, const Grid& grid, double density, cons
   });
 }
 
-// Collective. out = y field, or with `affine` the result of apic for the field.
+// Collective. out = y field with the map y of the header, or with `affine` the velocity that apic makes of the field.
 void project(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density, bool affine,
              const std::vector<double>& field, std::vector<double>& out) {
   out.assign(field.size(), 0.0);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kRoundingOfPositions = 1e-9;  // of the positions of points, in cells
 constexpr int kNone = -1;
-constexpr int kAlone = -2;  // index of a single point while indices are found: kAlone - its number
+constexpr int kAlone = -2;  // while indices are found, single point n has the index kAlone - n
 
 using v4 = double __attribute__((vector_size(32)));
 constexpr int kAlong = 4;  // weights along the column of a single point; no basis has more
@@ -72,6 +72,7 @@ class RunKernels {
   template <class Values>
   void scatter(const int* column, int cells, double* __restrict sum, Values values) const {
     vd of_column[2][kColumns][2]{};  // [half][column][cells before, cells now]
+    // A node gets values of the cell that begins there, and of the S - 1 cells before it.
     for (int first = 0; first < cells + S - 1; first += kLanes) {
       const vd* value = first < cells ? values(first) : nullptr;
       for (int half = 0; half < 2; ++half) {
@@ -161,6 +162,7 @@ void ScalarSums::find(const PointStore& points, const Grid& grid) {
     for (int l = 0; l < kLanes; ++l) {
       int& at = place_[n][l];
       if (at == kNone) continue;
+      // Replaces what find_points() has set by the index of a double in volume_.
       at = at >= 0 ? cell_at[at / kLanes] + kLanes * (at % kLanes) : first_alone_ + (kAlone - at);
       volumes[at] += points.blocks[blocks_[n]].volume[l];
     }

@@ -71,10 +71,10 @@ class ScalarSums {
   // each direction, 1 for the upper half, that of x the highest. Then for the single points.
   std::vector<vd> volume_, value_;
   int first_alone_ = 0, alone_ = 0;             // index in volume_ of the first single point, and number of single points
-  std::vector<int> column_;                     // of the single points: first nodes of their columns; then padding
-  std::vector<double> weight_;                  // of the single points: of the columns, and of the nodes along a column; then padding
-  std::vector<int> blocks_;                     // those with intact points, ascending
-  std::vector<std::array<int, kLanes>> place_;  // of their lanes: index in volume_, -1 without an intact point
+  std::vector<int> column_;                     // for each single point: first nodes of its columns; at the end padding
+  std::vector<double> weight_;                  // for each single point: weights of its columns, and of the nodes of a column; then padding
+  std::vector<int> blocks_;                     // blocks with intact points, ascending
+  std::vector<std::array<int, kLanes>> place_;  // for each lane of blocks_: index of a double in volume_, -1 without an intact point
 };
 
 }  // namespace mpdem

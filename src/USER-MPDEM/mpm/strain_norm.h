@@ -10,6 +10,7 @@
 
 namespace mpdem {
 
+// Returns e^(1/2) of drive_average.h for a drive, which is proportional to e^n with the degree n of the law.
 template <class L>
 vd root_of_drive(vd drive) {
   const vd root = sqrt(drive);
@@ -22,7 +23,7 @@ __attribute__((noinline)) vd root_of_norm(const L& law, const Sym3<vd>& strain) 
   return root_of_drive<L>(law.undamaged_drive(strain));
 }
 
-// Factor by which the drive changes if this root changes by `factor`.
+// Returns the factor of the drive if its root_of_drive() is multiplied by `factor`. Also inverts root_of_drive().
 template <class L>
 vd drive_factor(vd factor) {
   const vd square = factor * factor;

@@ -17,12 +17,12 @@ struct Spectral {
   Mat3<vd> axes;  // column i belongs to value[i]
 };
 
-// One rotation in the plane (p,q) with the third axis r, in the lanes `open`.
+// Rotates the tensor in the plane of the axes p and q so that its component apq becomes zero, in the lanes `open`. r is the third
+// axis. vp and vq are the columns p and q of the product of all rotations so far.
 inline void jacobi_rotation(vmask open, vd& app, vd& aqq, vd& apq, vd& arp, vd& arq, vd* vp, vd* vq) {
   const vd diff = aqq - app;
   const vd twice = select(open, apq + apq, vd{});
-  // t is the tangent of the smaller angle. It is found without a division by apq, so that a zero off-diagonal gives the
-  // identity.
+  // t is the tangent of the smaller angle. It is found without a division by apq, so that apq = 0 gives the identity.
   const vd root = sqrt(diff * diff + twice * twice);
   const vd denom = abs(diff) + root;
   const vd tiny = splat(1e-300);
@@ -48,7 +48,7 @@ inline Spectral eigen(const Sym3<vd>& m) {
   vd v[3][3] = {};  // v[j] is column j
   for (int j = 0; j < 3; ++j) v[j][j] = splat(1.0);
   const vd scale = a * a + b * b + c * c + 2.0 * (bc * bc + ac * ac + ab * ab);
-  const vd tolerance = 1e-32 * scale;
+  const vd tolerance = 1e-32 * scale;  // squared: off-diagonals below 1e-16 of the norm
   for (int sweep = 0; sweep < 12; ++sweep) {
     const vmask open = bc * bc + ac * ac + ab * ab > tolerance;
     if (!any(open)) break;
@@ -73,12 +73,13 @@ inline Sym3<vd> compose(const Mat3<vd>& q, const vd* f) {
   return {c(0, 0), c(1, 1), c(2, 2), c(1, 2), c(0, 2), c(0, 1)};
 }
 
-// The largest eigenvalue of m if sign is 1, the smallest if it is -1, as a simple root of the characteristic
-// polynomial. `gap` goes to zero as that root becomes double. The root is not accurate for a gap below 1e-5.
+// An extreme eigenvalue. gap: from 2 down to 0, where the eigenvalue is double; the value is not accurate for a gap below 1e-5.
+// radius: half of the largest distance that an eigenvalue can have from the mean of all three, (J2/3)^(1/2).
 struct Extreme {
   vd value, gap, radius;
 };
 
+// Returns the largest eigenvalue of m where sign is 1, and the smallest where it is -1, as a root of the characteristic polynomial.
 inline Extreme extreme_eigenvalue(const Sym3<vd>& m, vd sign) {
   // The eigenvalues are mean + u sqrt(J2/3) with the roots u of u^3 - 3 u - 2 r = 0. Finds the largest of sign times m.
   const vd mean = (1.0 / 3.0) * trace(m);
@@ -118,7 +119,7 @@ struct LargestEigenvalue {
 
 inline vd largest_eigenvalue(const Sym3<vd>& m) {
   const Extreme e = extreme_eigenvalue(m, splat(1.0));
-  const vmask unsafe = (e.gap < 1e-5) & (e.radius > 1e-100);
+  const vmask unsafe = (e.gap < 1e-5) & (e.radius > 1e-100);  // with a smaller radius the value is the mean
   return any(unsafe) ? select(unsafe, largest(eigen(m)), e.value) : e.value;
 }
 
@@ -142,7 +143,7 @@ inline LargestEigenvalue largest_eigenvalue_and_slope(const Sym3<vd>& m) {
   return l;
 }
 
-// Signs of the eigenvalues, by Sylvester's minors, and the root of the rarer sign if the signs differ.
+// Signs of the eigenvalues, by Sylvester's minors. If the signs differ, one eigenvalue has the rarer sign.
 struct Signs {
   vmask definite, negative;  // all positive, all negative
   vmask two;                 // in other lanes: two negative values and one positive; if false, one negative
@@ -150,7 +151,7 @@ struct Signs {
   Extreme rarer;
 };
 
-// Must not be called if all lanes are definite.
+// m2, det: the leading minors of m of order 2 and 3. noise: rounding error of det. Call it only if some lane is not definite.
 inline Signs signs_of(const Sym3<vd>& m, vmask definite, vd m2, vd det, vd noise) {
   Signs s;
   s.definite = definite;
@@ -161,7 +162,7 @@ inline Signs signs_of(const Sym3<vd>& m, vmask definite, vd m2, vd det, vd noise
   return s;
 }
 
-// Calls all() if all eigenvalues are positive in all lanes, else some(signs).
+// Calls all() if all eigenvalues are positive in all lanes, else some(signs). size2: m : m.
 template <class All, class Some>
 auto by_signs(const Sym3<vd>& m, vd size2, All all, Some some) {
   const vd m2 = m.xx * m.yy - m.xy * m.xy;
@@ -172,9 +173,9 @@ auto by_signs(const Sym3<vd>& m, vd size2, All all, Some some) {
   return any(~definite) ? some(signs_of(m, definite, m2, det, noise)) : all();
 }
 
-// Positive part <m>_+ by its one eigenvalue of the rarer sign. With one negative value it is m less that eigenspace.
-// With two negative values it is the positive eigenspace alone. Lanes whose root is nearly double, or whose signs are
-// in doubt, use the Jacobi rotations.
+// Positive part <m>_+ by the one eigenvalue of the rarer sign. If that is negative, <m>_+ is m less its part in this eigenspace.
+// If it is positive, <m>_+ is its part in this eigenspace alone. Lanes whose root is nearly double, or whose signs are in doubt,
+// use the Jacobi rotations.
 inline Sym3<vd> positive_part(const Sym3<vd>& m) {
   return by_signs(
       m, contract(m, m), [&] { return m; },
@@ -192,8 +193,8 @@ inline Sym3<vd> positive_part(const Sym3<vd>& m) {
       });
 }
 
-// <m>_+ : <m>_+ by the same eigenvalue, without its axes. If little is left, the difference to a large negative value
-// has no digits. The result of the Jacobi rotations is used then.
+// <m>_+ : <m>_+ by the same eigenvalue, without its axes. If a large negative eigenvalue is subtracted and little is left, the
+// difference has no digits. The result of the Jacobi rotations is used then.
 inline vd square_of_positive_part(const Sym3<vd>& m) {
   const vd size2 = contract(m, m);
   return by_signs(

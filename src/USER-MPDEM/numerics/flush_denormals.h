@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Numbers below 2e-308 count as zero while such an object lives. Ahead of a wave the motion of nodes falls off to such
-// numbers, and the processor takes a hundred cycles for each of them. This works on x86 only. Elsewhere nothing
-// changes.
+// Numbers below 2e-308 count as zero while an object of this class lives. Ahead of a wave the motion of nodes falls off to such
+// numbers, and the processor takes a hundred cycles for each of them. On other processors than x86 an object does nothing.
 #ifndef MPDEM_NUMERICS_FLUSH_DENORMALS_H
 #define MPDEM_NUMERICS_FLUSH_DENORMALS_H
 

@@ -51,7 +51,7 @@ class SharedList {
 // The lists in use, found by a hash of their bytes.
 class AlikeLists {
  public:
-  // Makes `list` share the memory of an equal list that was shared before. If there is none, `list` becomes that list.
+  // Makes `list` share the memory of an equal known list. If there is none, `list` becomes known, unless another list has its hash.
   template <class T>
   void share(SharedList<T>& list) {
     if (list.empty()) return;
@@ -66,7 +66,7 @@ class AlikeLists {
     }
     forget_unused();
   }
-  // Number of known lists, including some that were freed.
+  // Number of known lists, including some that are freed already.
   std::size_t size() const { return known_.size(); }
 
  private:
@@ -76,7 +76,7 @@ class AlikeLists {
     most_ = 2 * known_.size() + kFewest;
   }
   static constexpr std::size_t kFewest = 1000;
-  std::size_t most_ = kFewest;
+  std::size_t most_ = kFewest;  // number of lists at which the next search for unused ones is due
   std::map<std::pair<std::type_index, std::size_t>, std::weak_ptr<void>> known_;
 };
 

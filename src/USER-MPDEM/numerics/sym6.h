@@ -16,7 +16,7 @@ constexpr int kSym6 = 21;
 // Inverts a positive definite matrix by its factors L D L^T.
 template <class T>
 inline void invert_sym6(const T* m, T* inverse) {
-  T L[6][6], r[6];  // L: the factor, later its inverse; r: 1/D
+  T L[6][6], r[6];  // L: below the diagonal the factor, later its inverse; r: 1/D
   for (int j = 0; j < 6; ++j) {
     T d = m[lower_triangle(j, j)];
     T scaled[6];

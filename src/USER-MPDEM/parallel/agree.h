@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Exceptions for states that end a run; the engine does not depend on a host that could stop. If all ranks see the
-// state, all of them throw with the same text. If only one rank sees it while the others wait for it, it throws
-// OnOneRank.
+// Exceptions for states that end a run. The engine throws, and the host stops: the engine calls no function of its host for that. If all
+// ranks see the state, all of them throw BadState with the same text. If only one rank sees it while the others wait for it, that rank
+// throws OnOneRank.
 #ifndef MPDEM_PARALLEL_AGREE_H
 #define MPDEM_PARALLEL_AGREE_H
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Sends a list of plain values to every rank and returns the received values, ordered by source. Collective.
+// Sends list out[r] of plain values to each rank r and returns the received values, ordered by source. Collective.
 #ifndef MPDEM_PARALLEL_ALL_TO_ALL_H
 #define MPDEM_PARALLEL_ALL_TO_ALL_H
 

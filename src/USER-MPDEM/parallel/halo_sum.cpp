@@ -34,7 +34,7 @@ void HaloSum::build(MPI_Comm comm, Sharing shared, std::size_t size) {
 
 std::size_t HaloSum::shared_items() const { return union_.size(); }
 
-// Removes the values of this rank, which add_own() adds at the position of this rank in the order.
+// Sets the values of shared keys to zero. add_own() adds them again when it is the turn of this rank in the order of the ranks.
 void HaloSum::take_own(double* values, int width) const {
   own_.resize(union_.size() * width);
   for (std::size_t u = 0; u < union_.size(); ++u)
@@ -105,7 +105,7 @@ void HaloMessages::sum(const HaloSum* const* parts, double* const* values, std::
   read_.assign(ranks_.size(), 0);
   for (std::size_t p = 0; p < n; ++p) {
     const HaloSum& part = *parts[p];
-    bool own_added = false;
+    bool own_added = false;  // own values come between those of the lower and the higher ranks
     for (std::size_t k = 0; k < part.shared_.ranks.size(); ++k) {
       if (!own_added && part.shared_.ranks[k] > part.me_) {
         part.add_own(values[p], width);

@@ -17,7 +17,7 @@ namespace mpdem {
 
 class HaloSum;
 
-// Buffers of the messages of some sums, one message to each rank. A sum allocates no memory after build().
+// Messages of some sums, one to each rank, and their buffers. A sum allocates no memory after build().
 class HaloMessages {
  public:
   // parts: the sums of n bonds.
@@ -35,11 +35,12 @@ class HaloMessages {
   std::vector<MPI_Request> requests_;
 };
 
+// Sums one array of nodal values over the ranks that share the nodes.
 class HaloSum {
  public:
-  // Collective. keys: ascending, each once.
+  // Collective. keys: of the nodes of this rank, ascending, each once.
   void build(MPI_Comm comm, const std::vector<Key>& keys);
-  // Builds from known sharing of `size` keys. Not collective.
+  // Builds the sums of `size` keys whose sharing is known already. Not collective.
   void build(MPI_Comm comm, Sharing shared, std::size_t size);
 
   // Sets the number of keys when none of them is shared.
@@ -48,7 +49,7 @@ class HaloSum {
   // Collective among sharing ranks. values: width doubles for each key, summed in place.
   void sum(double* values, int width);
 
-  // True for key i if, of the ranks that share it, this one counts it in global sums.
+  // counts_here()[i] is true on exactly one of the ranks that share key i, the lowest. Sums over all ranks count the key there.
   const std::vector<char>& counts_here() const { return counts_here_; }
 
   std::size_t shared_items() const;
@@ -63,13 +64,12 @@ class HaloSum {
   int me_ = 0;
   Sharing shared_;
   std::vector<char> counts_here_;
-  std::vector<int> union_;           // shared keys, ascending
+  std::vector<int> union_;           // indices of all keys that some other rank shares, ascending
   mutable std::vector<double> own_;  // values of this rank, within a sum
   HaloMessages messages_;
 };
 
-// Sums over many arrays at once, each with its own HaloSum, with one message to each rank. Every
-// contribution is added in the same order as by HaloSum::sum().
+// Sums over many arrays at once, each with its own HaloSum, with one message to each rank. The order of additions is as in HaloSum::sum().
 class HaloSums {
  public:
   // parts: sums of different bonds, ascending. They are stored by address, so they must outlive this object.

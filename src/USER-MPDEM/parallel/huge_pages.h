@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Memory in pages of 2 MiB. Points and nodes of many bonds span more pages of 4 KiB than a processor caches addresses
-// of (TLB), and the misses take time in every step. doc/performance.md has the gain.
+// Memory in pages of 2 MiB. Many bonds take more pages of 4 KiB than the address cache of a processor (TLB) has entries. The
+// misses take time in every step. doc/performance.md has the gain.
 #ifndef MPDEM_PARALLEL_HUGE_PAGES_H
 #define MPDEM_PARALLEL_HUGE_PAGES_H
 

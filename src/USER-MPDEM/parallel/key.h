@@ -2,11 +2,11 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Identifies a node on all ranks by its field, which is a layer of a bond (mpm/bond_record.h), and its index on the
-// grid of the bond. Other objects have fewer integers. Keys are in the order of field, i, j, k.
+// grid of the bond. Keys of other objects, as of a piece of a bond, use fewer of these integers. The order of keys is field, i, j, k.
 //
 // A key takes 16 bytes: 31 bits for the bond, as many as an int can count, 22 for the layer, 25 for each component of
-// the grid index. Every layer has its own nodes, so memory ends before layers do. Throws OnOneRank for an index farther
-// than kFarthest cells from the origin of its bond.
+// the grid index. Memory is full before a bond can have so many layers, as each layer has its own nodes. The constructor throws
+// OnOneRank for an index farther than kFarthest cells from the origin of the bond.
 #ifndef MPDEM_PARALLEL_KEY_H
 #define MPDEM_PARALLEL_KEY_H
 

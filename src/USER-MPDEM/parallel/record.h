@@ -39,7 +39,7 @@ constexpr Range kFinite{-kLargestNumber, kLargestNumber}, kPositive{kSmallestNum
 constexpr Range kCount{0.0, kLargestInt};
 constexpr Range from(double low, double high) { return {low, high}; }
 
-// Stores the first error among numbers that are checked one after the other, by name, value and range.
+// Checks numbers one after the other and stores the first error: name, value and range. A check returns true if the number is allowed.
 class FirstTrouble {
  public:
   bool check(const char* name, double value, Range range) { return judge(name, value, range, false); }
@@ -82,7 +82,7 @@ constexpr T number_from(double v) {
   else return static_cast<T>(v);
 }
 
-// Common base of the visitors. Derived has put(name, field, range).
+// Common base of the visitors, which handles each kind of call in describe(). Derived has put(name, field, range).
 template <class Derived>
 class Visitor {
  public:

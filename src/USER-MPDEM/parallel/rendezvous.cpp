@@ -78,7 +78,7 @@ std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key
     std::copy(v, v + width, result.begin() + w * width);
     found[w] = 1;
   };
-  // Values of this rank need no message.
+  // Values of this rank need no message. If many keys are wanted, one walk over `keys` is cheaper than a search for each.
   std::vector<Key> missing;
   std::vector<int> missing_at;
   const bool many = wanted.size() > keys.size() / 8;
@@ -98,7 +98,7 @@ std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key
   }
   if (ranks == 1) return result;
 
-  // The homes collect which ranks have and want each key. Then they request one that has it to send.
+  // The homes collect which ranks have and want each key. Then they order the lowest rank that has it to send it to those that want it.
   const std::vector<Holder> have = gather_at_home(comm, keys);
   const std::vector<Holder> want = gather_at_home(comm, missing);
   struct Order {

@@ -25,8 +25,8 @@ struct Sharing {
 // keys: ascending, each once.
 Sharing find_sharing(MPI_Comm comm, const std::vector<Key>& keys);
 
-// Returns for each wanted key the value (width doubles) of any rank that has it, and sets `found` for keys that some
-// rank has. keys and wanted: ascending, each once.
+// Returns `width` doubles for each wanted key: the values of any rank that has the key, or zeros. found[w] becomes 1 if some rank
+// has wanted[w], else 0. values: `width` doubles for each of `keys`. keys and wanted: ascending, each once.
 std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key>& keys, const std::vector<double>& values,
                                  const std::vector<Key>& wanted, std::vector<char>& found);
 

@@ -43,10 +43,10 @@ struct Bond {
   bool near_threshold = false;      // some point is near its threshold or damage grew; nonlocal damage only
   DriveAverage average;
   std::vector<int> failed;                // slots that failed in this step, ascending
-  std::vector<int> debonded_with_points;  // links of the point store that debonded with failed points, ascending
+  std::vector<int> debonded_with_points;  // indices in points.links of links that debonded with failed points, ascending
   LinkStep link_step;                     // result of the traction law in this step
   std::vector<double> jump;               // change of the nodal velocity by transfer in this step, or empty
-  std::vector<double> filtered;           // part of `jump` from before the nodes move, xpic only
+  std::vector<double> filtered;           // the part of `jump` that nodes get before they move, xpic only
 
   // The mechanism of type P; null if it does not act in this bond.
   template <class P>
@@ -211,7 +211,7 @@ class Bonds {
   Bond* find(int bond_row);
   const Bond* find(int bond_row) const;
   Bond& make(int bond_row);  // returns the existing bond if there is one
-  // Drops all bonds of this rank without points, if one of these rows is such a bond.
+  // Drops all bonds that have no points on this rank, if one of these rows is such a bond; else nothing.
   void drop_empty(const std::vector<int>& rows);
 
   // Adds a point to its bond, and returns its slot.

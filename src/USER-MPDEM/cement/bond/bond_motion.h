@@ -17,9 +17,9 @@ struct BondMotion {
 
 // Sums over the nodes that this rank counts. The velocities are the stored ones plus `kick` times the acceleration.
 BondMotion sums_of_motion(const Grid& grid, double kick);
-// Adds the rigid motion that restores momentum, and angular momentum about the centre of mass, from `now` to `before`.
-// The centre of mass shifts with mass that changes its node. So the angular momentum about a fixed point would depend
-// on a uniform velocity of the whole scene.
+// Call when mass has moved between nodes. before, now: sums of the whole bond before and after that. Adds a rigid motion
+// to the velocities that restores momentum, and angular momentum about the centre of mass. This centre shifts with the
+// mass, so angular momentum about a fixed point would depend on a uniform velocity of the whole scene.
 void restore_rigid_motion(Grid& grid, const BondMotion& before, const BondMotion& now);
 
 }  // namespace mpdem

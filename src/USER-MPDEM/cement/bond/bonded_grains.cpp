@@ -178,7 +178,7 @@ void BondedGrains::update_kinematics(double dt, double dt_last, long step, Energ
       g.v[d] = free || d >= 3 ? grain.velocity[d] : grain.moved[d] / dt;
       const double change = g.v[d] - g.v_before[d];
       g.jump[d] = free ? 0.0 : change - (d < 3 ? since * g.a[d] : 0.0);
-      // work in the second half of the last step, less the predicted work
+      // keep_velocities() predicted g.v by 2 v_end - v_before: corrects the work of the second half of the last step
       if (!free) energy.do_work(-0.5 * dt * g.load[d] * (change - 2.0 * (g.v_end[d] - g.v_before[d])));
       if (d < 3) g.a[d] = free ? 0.0 : minmod(change / since, 2.0 * (grain.velocity[d] - g.v[d]) / dt);
     }
@@ -227,7 +227,7 @@ void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedP
       load_[g][d] = n * (grain.force[d] + grain.state->late_load[d] - grain.spread(d, n)) - grain.state->held()[d];
     }
   const std::vector<BondEnd> kept(ends.ends);
-  std::vector<double> total;  // accelerations of the grains so far
+  std::vector<double> total;  // accelerations of the grains so far; like the ends in `kept`, they are put aside for the solution
   for (Grain& g : grains) {
     total.insert(total.end(), g.acceleration, g.acceleration + 6);
     std::fill(g.acceleration, g.acceleration + 6, 0.0);
@@ -332,7 +332,7 @@ void BondedGrains::correct_work_of_withdrawn_loads(double dt_last, EnergyBalance
   }
 }
 
-// Bonds pass a part of the momentum to their other grain.
+// Condensed bonds pass a part of the momentum of a grain to their other grain.
 double BondedGrains::apply_impulse(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed) {
   load_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The bonded grains of this rank: their velocities as the added mass of links sees them, their accelerations and loads.
+// The bonded grains of this rank: velocities, accelerations and loads, and how the added mass of links follows them.
 // Units are those of the scene. Arrays of six have translation, then rotation about the centre.
 //
-// W- and W+ are the velocities of the steps that end and begin at time n, half a step before and after it. Added mass c
-// follows its grain: N a = f + c A with N = m + c and A = (W+ - W-)/dt. For grains that follow forces, A is solved for
-// at time n. For prescribed motion, W+ is known only after the grain has moved. Until then a smooth A' is predicted,
-// and dt (A - A') is the jump J. Nodes follow the jump by c/N J before they drift. So a grain that starts with velocity
-// V moves the nodes in its first step. Otherwise their c V^2/2 against the grain would be energy without work. The
-// reaction p = c (c/N - 1) J is momentum of the grains. Central differences conserve
+// A node of mass m has the added mass c, which moves with its grain. So the acceleration a of the node follows from its
+// force f by N a = f + c A, with N = m + c and the acceleration A = (W+ - W-)/dt of the grain. W- and W+ are the
+// velocities of the grain half a step before and after time n. For grains that follow forces, A is solved for at time
+// n. For prescribed motion, W+ is known only after the grain has moved. Until then a smooth A' is predicted. The jump is
+// J = dt (A - A'). Nodes follow it by c/N J before they drift. So a grain that suddenly has the velocity V moves its
+// nodes in the first step. Otherwise added mass would get the energy c V^2/2 relative to the grain, for which no work is
+// done. The grain gets the reaction p = c (c/N - 1) J as momentum. Central differences conserve
 //
 //   E - W = const,  W = -sum (F_n + F_n+1)/2 . (x_n+1 - x_n) - sum p . (W- + W+)/2,
 //
 // where F is the force on a grain without p. This is exact for jumps and for smooth motion. A velocity that a command
-// gives to a grain between runs is also a jump. Then p is taken from the grain at once. The added mass of a new bond
-// starts with the velocity of its grain.
+// gives to a grain between runs is also a jump. Then the grain loses p at once. The added mass of a new bond starts with
+// the velocity of its grain.
 #ifndef MPDEM_CEMENT_BOND_BONDED_GRAINS_H
 #define MPDEM_CEMENT_BOND_BONDED_GRAINS_H
 
@@ -55,10 +56,10 @@ class BondedGrains {
   const BondEnd* ends_of(const Bond& b) const { return &ends.ends[b.first_end_index]; }
   bool any_free() const { return any_free_; }  // true if a grain of any rank is free
 
-  // Inertia of the cement of a grain over the inertia of the grain against it, for the free directions of the grain. A
-  // mass m within the radius r of the grain has at most the kinetic energy of a sphere of 7/2 m. With t = 5/2
-  //   m (V + Omega r)^2 <= (1 + t) m V^2 + (1 + 1/t) m r^2 Omega^2,
-  // and the moment of inertia of a sphere of mass m is 2/5 m r^2.
+  // Bound of the inertia of the cement of a grain over that of the grain, if both move as one body in the free directions
+  // of the grain. cement: mass of this cement, with mass scaling. A mass m within the radius r of the grain has at most
+  // the kinetic energy of a sphere of mass 7/2 m and moment of inertia 2/5 (7/2 m) r^2. This follows for t = 5/2 from
+  //   m (V + Omega r)^2 <= (1 + t) m V^2 + (1 + 1/t) m r^2 Omega^2.
   static double mass_ratio(const Grain& g, double cement);
 
   // Collective. Call after grains or bonds changed rank. Finds the ends of the resolved bonds, and their owners.
@@ -90,8 +91,8 @@ class BondedGrains {
   // Finds the loads that the host adds after the cement in a step. Call before (false) and after (true) them.
   void record_late_loads(bool after);
 
-  // Collective. Finds the accelerations of free grains in one of n sub-steps of a step. The load of the host is that so
-  // far plus the late load of the last step if n = 1, else the load that is spread over the sub-steps.
+  // Collective. Finds the accelerations of free grains in one of n sub-steps of a step. If n = 1, the load of the host is
+  // Grain::force plus the late load of the last step. Otherwise it is the load GrainState::held() of each sub-step.
   void find_accelerations(MPI_Comm comm, const Bonds& bonds, int n, CondensedPack& condensed);
   // Add the sums of bonds to those of the grains while the bonds are in cache. Call begin_sums() first, then sum_up()
   // for each resolved bond once its forces are complete, then find_accelerations().
@@ -102,7 +103,7 @@ class BondedGrains {
   void sum_up(const Bond& b) {
     if (summed_ && !b.added.empty()) accelerations_.add({&b.added, &b.grid, b.first_end_index}, ends);
   }
-  void added_mass_changed() { fresh_ = true; }
+  void added_mass_changed() { fresh_ = true; }  // the next solution makes its mass matrix anew
   // Did the iteration for some accelerations end before it reached its precision? The same on all ranks.
   bool accelerations_are_imprecise() const { return accelerations_.imprecise() || impulses_.imprecise(); }
 
@@ -117,9 +118,9 @@ class BondedGrains {
   // Collective. Adds the forces of the cement to the grains in one of n sub-steps of a step, once the ends have the
   // forces of all bonds. A grain gets 1/n of the cement load, and loses the load of the host that is spread.
   void react(double dt, int n, EnergyBalance& energy, const CondensedPack& condensed);
-  // save_loads() stores the loads without those of the cement. restore_loads() restores them, so another react() can
-  // find the loads of the cement anew. The counted work of jumps remains. The half step before has the work of the
-  // loads that were taken back. correct_work_of_withdrawn_loads() corrects it.
+  // For finding the loads of the cement anew in a step. save_loads(), before react(), stores the loads without those of
+  // the cement. restore_loads() restores them for another react(), which does not count the work of jumps again. The work
+  // of the half step before has been counted with the loads taken back: correct_work_of_withdrawn_loads() corrects it.
   void save_loads();
   void restore_loads();
   void correct_work_of_withdrawn_loads(double dt_last, EnergyBalance& energy) const;
@@ -131,24 +132,25 @@ class BondedGrains {
   // spread_loads() at the end of a step. Nothing is spread if n = 1.
   void start_spreading(int n);
   void spread_loads(int n);
-  // Collective. Applies the load of the host that is not spread (of the load so far and the late load of the last step)
-  // for n sub-steps at once. Finds the forces of this impulse on nodes and grains, and adds its accelerations to those
-  // of the grains.
+  // Collective, in the last of n sub-steps. Applies the part of the load of the host that is not spread, as an impulse of
+  // all sub-steps at once, n (F - u) - S of cement/step/substeps.cpp. Finds its forces on nodes and grains, and adds its
+  // accelerations to those of the grains.
   void share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack& condensed);
   // Sets the forces that are reported after a step of n sub-steps: all loads of host and cement.
   void set_reported_loads(int n);
   // Collective. Finds the reaction of added mass that followed jumps, or whose nodes changed velocity by transfer, and
   // counts its work. react() calls this, and adds the reaction to the grains.
   void react_to_jumps(double dt, EnergyBalance& energy);
+  // Call in each step in which added mass may follow jumps, or nodes change velocity by transfer.
   void expect_sudden_forces() { sudden_forces_are_due_ = true; }
 
-  // Collective. Exchanges momentum between nodes and grains at once, for jumps of the owned ends and the added mass of
-  // bonds from first_row on. The change of velocity of nodes is left in their acceleration. The velocity of grains
-  // changes. Counts the work on bonds before row end_of_work.
+  // Collective. Exchanges momentum between nodes and grains at once. jump: of the owned ends. Added mass of bonds from
+  // first_row on follows the jumps; at_start: see AddedMass::add_jumps(). Changes the velocity of grains, and leaves that
+  // of nodes as it is: its change is in their acceleration. Counts the work on bonds before row end_of_work.
   void exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vector<Six>& jump, int first_row, bool at_start, int end_of_work,
                          EnergyBalance& energy);
-  // Counts the work of the last loads, over the half step ahead, on the changes of velocity by commands. Call after
-  // read_commanded_velocities().
+  // Changes of velocity by commands between runs: call find_commands(), read_commanded_velocities(), count_commands() in
+  // this order. count_commands() counts the work of the last loads on these changes, over the half step ahead.
   void count_commands(double dt_last, EnergyBalance& energy) const;
   // Collective. Applies the changes of velocity that find_commands() found to the added mass.
   void read_commanded_velocities(MPI_Comm comm, Bonds& bonds, double dt, double dt_last, EnergyBalance& energy);
@@ -196,8 +198,8 @@ class BondedGrains {
   bool summed_ = false;  // begin_sums() was called
   std::vector<GrainAccelerations::Vector6> load_;
   std::vector<Six> saved_loads_, withdrawn_loads_,
-      sudden_loads_;  // of each grain: loads of the host, of the cement, of jumps and transfers in this step
-  bool taken_back_ = false;
+      sudden_loads_;         // of each grain: loads of the host, of the cement, of jumps and transfers in this step
+  bool taken_back_ = false;  // restore_loads() was called in this step
   bool changed_ = true, any_free_ = false, fresh_ = false, sudden_forces_are_due_ = false;
   double jump_limit_ = 0.0;  // jumps up to this size are not noted
   long step_ = 0;

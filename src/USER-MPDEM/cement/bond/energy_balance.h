@@ -5,13 +5,13 @@
 //
 //   E + dissipated + released + damped + frictional + left - work = start,
 //
-// where E is strain energy, energy of springs and kinetic energy. Growth of damage dissipates. Failed points, debonded
-// links and changes of added mass release. Dampers and transfers damp. `left` is the energy of cement that left the
-// scene, and `work` that of grains, gravity and impulses of the host on the cement.
+// where E is strain energy, energy of springs and kinetic energy. `dissipated` is by growth of damage, `released` by
+// failed points, debonded links and changes of added mass, `damped` by dampers and transfers. `left` is the energy of
+// cement that left the scene, and `work` that of grains, gravity and impulses of the host on the cement.
 //
 // The work of a step is that of its forces, from half a step before their time to half a step after it. Each half has
-// its own velocity. The same holds for dampers and for friction of crack faces. The `_ahead` sums are the second half
-// of the last step, and are included in the others.
+// its own velocity. The same holds for dampers and for friction of crack faces. The second half of the last step is
+// counted in advance: the `_ahead` sums are this half, and the others include it.
 //
 // With `mass_order 2` the kinetic energy is v.M* v/2, with M* the inertia of mpm/consistent_mass.h. It is counted as
 // the energy of the lumped mass, less the work of the force by which the two differ.
@@ -62,7 +62,8 @@ class EnergyBalance {
       visit.part(s.left);
     }
   };
-  // Work of a step with the present forces. now: with the present velocities. before: with those of half a step before.
+  // Work of the present forces over a whole step. now: with the velocities at their time. before: with those of half a
+  // step before. So the first half of the step has the work before/2, and the second half now - before/2.
   struct StepWork {
     double now = 0.0, before = 0.0;
   };
@@ -101,15 +102,15 @@ class EnergyBalance {
     sums_.frictional += frictional.now;
     sums_.frictional_ahead = frictional.now - 0.5 * frictional.before;
   }
-  // Counts the work of a step at its end. The second half of the step is work ahead.
+  // Counts the work of a step at its end.
   void end_step(const StepWork& w, const StepWork& inertial) {
     sums_.work += w.now;
     sums_.work_ahead = w.now - 0.5 * w.before;
     sums_.inertial_work += inertial.now;
     sums_.inertial_work_ahead = inertial.now - 0.5 * inertial.before;
   }
-  // Counts new cement. energy_of_all: its energy, of all ranks. The other arguments give the work of its first half
-  // step, and the energy that dampers take in it.
+  // Counts new cement, whose first step is the half step ahead. energy_of_all: its energy, of all ranks. The others are
+  // the work of that half step, and the energy that dampers take in it.
   void start(double energy_of_all, const StepWork& w, const StepWork& inertial, double damped_ahead) {
     sums_.work += w.now - 0.5 * w.before;
     sums_.work_ahead += w.now - 0.5 * w.before;
@@ -121,8 +122,8 @@ class EnergyBalance {
   }
 
   const Sums& sums() const { return sums_; }
-  // Collective. Returns sums over all ranks, and moves them to the first rank. Sums read from a restart file are there.
-  // The run that wrote it must continue likewise, since the order of additions affects rounding.
+  // Collective. Returns sums over all ranks, and moves them to the first rank, where a run that reads the restart file has
+  // them. The run that writes it then continues with the same rounding, which depends on the order of additions.
   Sums gather_on_first(MPI_Comm comm) {
     double numbers[kMostNumbers<Sums>];
     pack(sums_, numbers);

@@ -3,8 +3,8 @@
 //
 // Interface of the Lagrangian formulations, total and updated, for the rest of the engine: whether points remain in the
 // cells of their grid, whether they give their velocity to nodes, and what separates the nodes of two pieces of a bond.
-// All bonds have the same formulation, for as long as there is cement. It makes the object of class Kinematics that
-// takes the step.
+// All bonds have the same formulation, for as long as there is cement. The formulation makes the objects that do the work:
+// Kinematics for the step, NodeSplitting for the pieces of a bond.
 //
 // The defaults are those of `kinematics total`: points remain in the cells where they were made. The subclasses are in
 // cement/step/formulations.cpp.
@@ -30,8 +30,8 @@ class Formulation {
   // Makes the object that separates the nodes of the pieces of a bond.
   virtual std::unique_ptr<NodeSplitting> splits() const = 0;
 
-  // Largest stable dt^2 lambda with lumped mass, where lambda is the largest eigenvalue. For modes that a transfer
-  // removes completely it is half of the limit of central differences.
+  // Largest stable dt^2 lambda with lumped mass, where lambda is the largest eigenvalue. The default 4 is the limit of
+  // central differences. It is halved where a transfer removes modes completely.
   virtual double stability_limit() const { return 4.0; }
   // Returns `bound` if only this upper bound of the eigenvalue stays valid in later steps, else 0.
   virtual double lasting_eigenvalue(double /* bound */) const { return 0.0; }
@@ -50,7 +50,7 @@ class Formulation {
   virtual bool sort_links(Bond&) const { return false; }
   // Shares the memory of lists of a bond with bonds that have equal lists, unless the lists change as points move.
   virtual void share(Bond& b, AlikeLists& alike) const { b.share(alike); }
-  // Call when links lost their inertia in a run. Removes them, as a new layout would.
+  // Removes the debonded links that lost their added mass during a run, as a new layout would.
   virtual void remove_dropped(Bond& b, const BondRecord& record) const { b.links.remove_dropped(b.points, record); }
 };
 

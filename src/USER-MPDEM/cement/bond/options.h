@@ -42,7 +42,8 @@ struct CementOptions {
   int check_every = 100;          // steps between two checks
   double most_bytes = std::numeric_limits<double>::infinity();  // limit for the grids of a rank
 
-  // Where nodes split as points fail, a bridge narrower than a cell of the grid carries almost nothing.
+  // Least width of intact cement that counts as a connection of the grains; 0: any width. Where nodes split as points
+  // fail, a bridge narrower than a cell of the grid carries almost nothing.
   double narrowest_bridge() const { return split ? cell : 0.0; }
   // Do the nodes beside a crack share the mass of failed points, see fracture/phantom_nodes.h? Failed points that may
   // be stiff again keep their mass at their own nodes, since the bound of the time step needs it there.

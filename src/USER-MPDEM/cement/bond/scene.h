@@ -91,7 +91,7 @@ struct Scene {
   bool ends_step() const { return substep == now.substeps; }
   // Time from the middle of the last step to the middle of this one.
   double kick() const { return 0.5 * (dt_last + now.dt); }
-  // Steps of the host between two of these checks, which are in the first sub-step.
+  // Steps of the host between two such checks (kTopologyInterval). They are made in the first sub-step.
   int topology_interval() const { return std::max(1, kTopologyInterval / now.substeps); }
   bool is_topology_step() const { return begins_step() && (now.number - 1) % topology_interval() == 0; }
 

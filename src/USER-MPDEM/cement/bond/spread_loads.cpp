@@ -65,6 +65,7 @@ void BondedGrains::spread_loads(int n) {
       for (int mean = d; mean < 18; mean += 6) last = s.mean[mean] += weight * (last - s.mean[mean]);
       s.between[d] = 0.5 * (before[d] + s.held()[d]);
     }
+    // The held load acted at the positions of the sub-steps, not at the ends of the step. This torque conserves its moment.
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, f = (d + 2) % 3;
       s.between[3 + d] -= (s.path_offset[e] * before[f] - s.path_offset[f] * before[e]) / (n - 1);

@@ -17,7 +17,7 @@ class StepTimer {
  public:
   enum Phase { kPoints, kNodes, kHalo, kCoupling, kLayout, kOutput, kPhases };
 
-  // Assigns the time until the next call to `phase`. stop() ends this.
+  // The time from here to the next start() or stop() counts for `phase`.
   void start(Phase phase) {
     const double t = MPI_Wtime();
     if (running_ >= 0) seconds_[running_] += t - since_;

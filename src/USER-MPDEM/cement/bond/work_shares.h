@@ -36,8 +36,9 @@ double load_imbalance(const std::vector<double>& work_of_ranks);
 constexpr double kAllowedImbalance = 1.1;
 
 // Greedy algorithm: each move is the best one from the rank that has most work. It ends when that rank has at most 2 %
-// more than the mean, or when no move reduces its work. Returns the moves, ascending in row; none if the work is even.
-// subdomains: subdomain of each rank. work: of each rank, with its movable bonds. Equal arguments give equal results.
+// more than the mean, or when no move reduces the larger work of the two ranks. Returns the moves, ascending in row; none
+// if the work is even. subdomains: subdomain of each rank. work: of each rank, with its movable bonds. Equal arguments give
+// equal results.
 std::vector<BondMove> rebalance(const std::vector<SubdomainIndex>& subdomains, std::vector<MovableBond> bonds, std::vector<double> work);
 
 }  // namespace mpdem

@@ -46,7 +46,7 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Bond
   for (int i = 0; i < bond.grid.size(); ++i) {
     const Vector3 X = position_of(bond.grid, i), Y = X - middle;
     const Eigen::Matrix<double, 3, 6> u = fields_at(m.solution->fields, i);
-    const Vector3 y = Y + u * d - rigid(half, Y);  // the axes Q follow half of the relative motion
+    const Vector3 y = Y + u * d - rigid(half, Y);  // position in the axes Q, which follow half of the relative motion
     const auto field = [&](const CondensedMotion::Vector12& q) {
       const CondensedMotion::Vector6 first = q.head<6>(), second = q.tail<6>();
       return Vector3(rigid(first, y) + u * (second - first));
@@ -155,9 +155,9 @@ void CondensedBonds::equilibrate(MPI_Comm comm, Bond* bond, const BondRecord& re
       for (int d = 0; d < 3; ++d)
         if (grid.ties.row(i) < 0) grid.force[3 * i + d] += grid.mass[i] * (gravity[d] - grid.acceleration[3 * i + d]);
     const StaticSystem system{bond->points, grid, bond->links, ends.data(), record, law, bond->film};
-    grid.velocity = static_displacement(comm, &system, grid.force);
+    grid.velocity = static_displacement(comm, &system, grid.force);  // over a step of time 1, below
     AdvanceOptions options;
-    options.nonlocal = true;  // nonlocal without averages: no damage grows
+    options.nonlocal = true;  // without averages nonlocal damage does not grow
     grid.drive_average.clear();
     AdvanceResult result;
     grid.clear_force();

@@ -39,7 +39,7 @@ bool is_too_heavy(const CondensedModel& model, const BondRecord& record) {
   const auto trace = [&](int i, int j) { return model.M.block<3, 3>(i, j).trace(); };
   const double mass = trace(0, 0) + trace(6, 6) + 2.0 * trace(0, 6);  // mass of the bond: both grains move alike
   const double grain =
-      4.0 / 3.0 * M_PI * std::pow(std::min(record.radius[0], record.radius[1]), 3) / record.volume;  // volume over that of the bond
+      4.0 / 3.0 * M_PI * std::pow(std::min(record.radius[0], record.radius[1]), 3) / record.volume;  // volume of grain over bond
   return !(std::max(trace(0, 0), trace(6, 6)) <= std::max(kHeaviest, kOfGrain * grain) * mass);
 }
 
@@ -104,7 +104,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   if (s->sums.largest_damage > 0.0)
     for (double& of_motion : s->bound) of_motion *= kDriveOfDamaged;
   b->points.forget_roots_of_norm();
-  const auto energy_by = [&](int i, int j) {
+  const auto energy_by = [&](int i, int j) {  // energy of the points by field i, or by the sum of two fields
     for (std::size_t n = 0; n < b->points.blocks.size(); ++n)
       b->points.blocks[n].strain = i == j ? s->fields.strain[i][n] : s->fields.strain[i][n] + s->fields.strain[j][n];
     PointSums sums;
@@ -178,7 +178,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
       described_.erase(row);
       continue;
     }
-    // not by shared nodes: the pieces of a separated bond share none, and may be on two ranks
+    // shared nodes do not show whether ranks cut the bond: pieces of a separated bond share none, and may be on two ranks
     cut[n] = !bonds.is_whole(*b);
     const BondDescription mine = described(*b, bonds.table[row]);
     const std::size_t hash = mine.hash() ^ of_all;

@@ -43,9 +43,9 @@ class CondensedBonds {
  public:
   // Collective. Solves those of the rows that the table marks as condensed, and that are new or changed. They must be
   // laid out in the configuration at creation. Solved bonds have no loads before bind(). links, inertia: what the
-  // solutions depend on besides the bonds. The fields of a bond that carries almost nothing may not converge. If no
-  // step has moved it yet, it is made a resolved bond. Returns the rows of such bonds, the same on all ranks. Throws
-  // BadState if the fields of other bonds do not converge.
+  // solutions depend on besides the bonds. The fields of a bond that carries almost nothing may not converge. Such a bond
+  // becomes resolved if no step has moved it yet. Returns the rows of these bonds, the same on all ranks. Throws BadState
+  // if the fields of other bonds do not converge.
   std::vector<int> solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links,
                          double inertia);
   // Sets whether a row is condensed as rigid pieces. The same on all ranks. Call before solve().
@@ -81,7 +81,7 @@ class CondensedBonds {
 
   // Collective. Reads the motion of the grains, and finds the loads that do not depend on their accelerations.
   void follow(const BondedGrains& grains, const double* gravity);
-  // Collective. Does the same, then reads the accelerations of the grains, and finds the loads due to these.
+  // Collective. Calls follow(), then reads the accelerations of the grains, and finds the loads due to these.
   void resume(const BondedGrains& grains, const double* gravity);
   CondensedPack& pack() { return pack_; }
 
@@ -142,12 +142,13 @@ class CondensedBonds {
   // root: root of its largest driving force.
   bool matches_static_solution(const Bond& resolved, const BondRecord& record, const BondEnd* ends, double energy, double root,
                                const double* gravity, double dt_last, const Law& law);
-  // The same for a separated bond: does the attached cement move with its grains as rigid pieces? The limits are
-  // kChange of the largest load that the bond had, and of the energy with that load.
+  // May a separated bond be condensed again: does the attached cement move with its grains as rigid pieces? Force and
+  // energy may change by kChange of the largest load that the bond had, and of the energy with that load.
   bool matches_rigid_pieces(Bond& resolved, const BondRecord& record, const BondEnd* ends, double energy,
                             const LoadHistory::Largest& largest, const double* gravity, double dt_last, const Law& law);
-  // Momentum at both ends of a bond that may be condensed, half a step earlier, as loads: momentum of its nodes, and of
-  // the condensed bond with the motion of these ends. Call the latter after solve().
+  // Momentum of a bond that is condensed again, half a step before the present time. It is distributed to both grains as
+  // a load of the bond is. momentum_of_nodes(): of its nodes. momentum_as_condensed(): of the condensed bond with the
+  // motion of these ends; call it after solve().
   GrainLoads momentum_of_nodes(const Bond& resolved, const BondRecord& record, const BondEnd* ends) const;
   GrainLoads momentum_as_condensed(int row, const BondRecord& record, const BondEnd* ends, double half) const;
   void forget_candidate(int bond_row) { candidates_.erase(bond_row); }
@@ -167,7 +168,7 @@ class CondensedBonds {
     std::vector<signed char> grain_of_node;                               // grain of each node of a bond in pieces
     double bound[6] = {};  // bounds of the root, see find_strain_bounds() of mpm/field_drive.h
     PointSums sums;
-    Matrix6 energy = Matrix6::Zero();  // the points have the elastic energy d.energy d/2
+    Matrix6 energy = Matrix6::Zero();  // the points have the elastic energy d.energy d/2 for the relative motion d
   };
   struct Member {  // an entry of the pack: a bond or a piece
     int row;

@@ -32,7 +32,7 @@ constexpr double kShift = 1e-4;
 constexpr int kMostStepsOfForce = 1000;
 
 // The equations of one bond. Vectors have three numbers a node. Constrained nodes are no unknowns.
-// held: share of the shift, see kHeld.
+// held: share that gives the shift of the operator, see kShift; 0: no shift.
 class Equations {
  public:
   Equations(MPI_Comm comm, const StaticSystem* system, double held = 0.0) : comm_(comm), system_(system) {
@@ -155,7 +155,7 @@ int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r
   while (rho > kResidual * energy) {
     const double beta = before > 0.0 ? rho / before : 0.0;
     for (std::size_t i = 0; i < r.size(); ++i) p[i] = equations.preconditioned(i) * r[i] + beta * p[i];
-    equations.force(p, at_rest, Kp, load);
+    equations.force(p, at_rest, Kp, load);  // Kp is the force on the nodes, -K p
     for (std::size_t i = 0; i < r.size(); ++i) Kp[i] -= equations.held(i) * p[i];
     const double pKp = -equations.dot(p, Kp);
     const int steps = static_cast<int>(taken.size()) + 1, window = std::max(kLeastSteps, steps / 4);
@@ -199,7 +199,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
   std::array<std::vector<double>, 6> force;  // force of each field on the nodes
   double load_of[6][2][6];
   Motion motion[6] = {};
-  const auto energy = [&](int i, int j) {
+  const auto energy = [&](int i, int j) {  // x_i.K x_j of fields i and j, with the motion of the second grain
     double of_grain = 0.0;
     for (int d = 0; d < 6; ++d) of_grain -= motion[i][1][d] * load_of[j][1][d];
     return equations.all(of_grain) - equations.dot(bond.displacement[i], force[j]);

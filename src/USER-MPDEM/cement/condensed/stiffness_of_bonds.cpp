@@ -147,7 +147,7 @@ class StiffnessFinder {
     const BondLayout& l = layouts_[layout];
     return BondDescription(l.points, l.film.points, l.grid, table_[l.row], ends_of(l.row));
   }
-  // layout: -1: this rank has no share of the bond.
+  // layout: index of the layout of the bond; -1: this rank has no share of the bond.
   void solve_one(MPI_Comm comm, int row, int layout) {
     if (layout < 0) {
       solve_static(comm, nullptr);

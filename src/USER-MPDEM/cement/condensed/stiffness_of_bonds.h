@@ -17,7 +17,7 @@ namespace mpdem {
 struct StiffnessOfBond {
   double middle[3], axis[3];
   double K[36];     // 6 by 6, see static_bond.h
-  double products;  // applications of the operator; 0: result of an equal bond
+  double products;  // applications of the operator; 0: the result was taken from an equal bond
 };
 
 // Collective. Returns a row for each bond of the table. layouts: layouts with links of the bonds with points on this

@@ -171,7 +171,7 @@ void CementMaker::make_fills(const Batch& batch, BondTrouble& trouble) {
         fresh.push_back(fill);
         most.push_back(room);
       }
-    } else if (!(expected < room)) {
+    } else if (!(expected < room)) {  // no room for one more bond of this fill: throws with the message
       try {
         fill_with_points(plan_.resolved_of(plan_.bonds()[n].kind), wish_.spacing, room);
       } catch (const ShapeError& e) {
@@ -230,7 +230,7 @@ void CementMaker::share_numbers(const std::vector<int>& fills) {
   }
 }
 
-// Finds for each fill the ranks that need it: those in or near whose subdomain a bond of the batch has it.
+// Marks for each fill the ranks that need its points: a bond of the batch with this fill lies in or near their subdomain.
 std::vector<std::vector<char>> CementMaker::needed(const Batch& batch, const std::vector<int>& fills) const {
   double mine[6];
   std::copy(plan_.box().own_low, plan_.box().own_low + 3, mine);

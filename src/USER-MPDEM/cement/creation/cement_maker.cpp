@@ -19,7 +19,7 @@ constexpr double kPointsOfABatch = 100000.0;
 constexpr int kListed = 20;  // number of bonds reported one by one
 constexpr double kFewCells = 2.0;
 
-// Describes how the bond is resolved.
+// Describes how many cells of two points thickness and width of the bond have.
 std::string of_cells(const CementPlan::Kind& kind, const CementRequest& wish) {
   if (!wish.file.empty()) return "";
   const double cell = kCellOfPoints * wish.spacing;
@@ -112,7 +112,7 @@ void CementMaker::make_batch(Batch& batch) {
   make_fills(batch, trouble);
   for (std::size_t n = batch.from; n < batch.to; ++n) batch.records.push_back(record_of(n));
   batch.kept.assign(batch.records.size(), 1);
-  const bool shared_out = wish_.overlap == CementRequest::trim;
+  const bool shared_out = wish_.overlap == CementRequest::trim;  // then no two bonds of this command overlap
   const int rows = static_cast<int>(shared_out ? first_row_ : table_.size() + batch.records.size());
   resolve(batch, overlaps(batch, rows), trouble);
   check_other_grains(batch, trouble);

@@ -61,6 +61,7 @@ class CementMakerHost {
   virtual void warn(const std::string& text) = 0;
 };
 
+// Bonds that one warning counts, and the least of their values.
 struct BondsToWarnOf {
   int count = 0;
   double least = 1e300;
@@ -102,7 +103,7 @@ class CementMaker {
     Box box;                                                   // box around the points, in the coordinates of the bond
     std::vector<FillPoint> points;                             // points in these coordinates, on ranks that need them
     std::vector<char> sent;                                    // for each rank: whether the points were sent to it
-    Vector3 corner = Vector3::Zero();                          // origin from the middle of the gap
+    Vector3 corner = Vector3::Zero();                          // origin of these coordinates, from the middle of the gap
     Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rotation to the axes of the planned bond; a file may have its own axes
     int point_template = 0;                                    // template that the host gave; 0: not known yet
   };
@@ -110,7 +111,7 @@ class CementMaker {
   struct Batch {
     std::size_t from, to;
     std::vector<BondRecord> records;
-    std::vector<char> kept;
+    std::vector<char> kept;  // of each bond: 0 if it is left out
   };
   struct Overlap {
     std::size_t bond;
@@ -169,7 +170,7 @@ class CementMaker {
   Sums sums_;
   double live_ = 0, created_ = 0;  // points of the fills that are kept; points made
   int listed_ = 0;                 // bonds reported one by one
-  BondsToWarnOf thin_, coarse_;    // other bonds: with too thin a film of cells, with too few cells
+  BondsToWarnOf thin_, coarse_;    // other bonds: less than two spacings thin at the inner rim, less than kFewCells across
 };
 
 }  // namespace mpdem

@@ -90,7 +90,7 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Batch& batch, int 
   const std::vector<Vector3> shifts = plan_.box().images();
   std::map<int, PointsNear> by_cells;  // points of the fills that are needed
   std::map<std::pair<std::size_t, int>, double> found;
-  // x: middle of a full cell
+  // Adds the volume of bond k of the batch inside a full cell of the bond of `row`. x: middle of this cell.
   const auto look = [&](std::size_t k, int row, const Coordinates& of_other, double spacing, const Vector3& x) {
     const PointsNear& near =
         by_cells.try_emplace(fill_of_bond_[batch.from + k], fill_of(batch.from + k).points, 2.0 * margin[0]).first->second;

@@ -60,8 +60,8 @@ std::string CementPlan::prefix(const PlannedBond& bond) {
   return text_of("create_cement pair ", bond.grain[0].tag, " ", bond.grain[1].tag, ": ");
 }
 
-// Rounding of positions must not strain bonds noticeably. length: length of what is strained. The links are stiffer
-// than the cement by two orders, and so are the loads that rounding causes in them.
+// Rounding of positions must not strain bonds noticeably. length: length of what is strained. The limit is low because
+// links are a hundred times as stiff as the cement, and rounding loads them as much more.
 std::string CementPlan::error_of_position(const PlannedBond& bond, double length) {
   constexpr double kMostStrain = 1e-8;
   double far = 0.0;
@@ -210,7 +210,7 @@ const Shape& CementPlan::shape_of(int kind) {
   if (k.shape) return *k.shape;
   const PlannedBond& bond = bonds_[k.first];
   const double grain_mass = bond.grain[0].mass + bond.grain[1].mass;
-  // Between rigid touching spheres the stiffness of a film has no bound.
+  // An inner radius is needed: where rigid spheres touch, the stiffness of a film between them has no bound.
   const double inner = wish_.inner_rule == CementRequest::given          ? wish_.inner
                        : wish_.inner_rule == CementRequest::two_spacings ? bond.pair.radius_of_thickness(2.0 * wish_.spacing)
                                                                          : bond.pair.usual_inner(wish_.share);
@@ -231,7 +231,7 @@ const Shape& CementPlan::shape_of(int kind) {
   std::unique_ptr<Shape> shape;
   if (made.size() == 1) shape = std::move(made.front());
   else shape = std::make_unique<Composite>(std::move(made));
-  // with 'inner auto' nothing is too thin, but a rim may be narrow
+  // with 'inner auto' no cement is too thin for cells, but film_fill() would make all of a narrow bond film
   if (wish_.film && wish_.inner_rule != CementRequest::two_spacings) k.film = film_fill(*shape, wish_.spacing);
   if (!k.film.empty() && !k.film.all) k.resolved = shape->with_inner(k.film.to);
   k.shape = std::move(shape);

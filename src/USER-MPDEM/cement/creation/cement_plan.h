@@ -29,8 +29,8 @@ using GrainTags = std::pair<int, int>;  // a pair of tags, ascending
 // Options of a command, for all its bonds.
 struct CementRequest {
   std::vector<ShapeWords> shapes;
-  std::string file;  // file from which points are read; empty: points are made of shapes
-  double attach = 0.0;
+  std::string file;     // file from which points are read; empty: points are made of shapes
+  double attach = 0.0;  // with a file, see PointFileOptions
   double spacing = 0.0, density = 0.0;
   enum Inner {
     usual,
@@ -38,7 +38,7 @@ struct CementRequest {
     given
   } inner_rule = usual;                // usual: GrainPair::usual_inner(); two_spacings: where the gap is that wide
   double inner = 0.0;                  // inner radius, if given
-  double share = GrainPair::kLeftOut;  // of GrainPair::usual_inner()
+  double share = GrainPair::kLeftOut;  // argument of GrainPair::usual_inner()
   bool film = true;                    // cement that is too thin for cells is film
   double grid[3] = {0, 0, 0};          // origin of the grid from the middle of the gap
   enum Overlap { error, skip, trim } overlap = error;
@@ -97,8 +97,8 @@ class CementPlan {
     // fill, null: all of it.
     std::unique_ptr<Shape> shape, resolved;
     FilmFill film;  // known with `shape`
-    // Known to all ranks. film_share: share of the film in the attached area. width: of the part that reaches from
-    // grain to grain, without the film.
+    // Known to all ranks. thickness, thinnest: largest and smallest thickness. film_share: share of the film in the
+    // attached area. width: of the part that reaches from grain to grain, without the film.
     double volume = 0, area[2] = {0, 0}, thickness = 0, thinnest = 0, film_share = 0, width = 0;
   };
   struct Near {

@@ -180,7 +180,8 @@ bool on_a_face(const std::vector<FillPoint>& p, double spacing) {
   return false;
 }
 
-// Returns the position half a spacing beside the mean position of the points in their cells (a mean of angles).
+// Returns the corner of a lattice in whose cells the points lie in the middle, on average. The mean is one of angles, since
+// positions in cells are periodic.
 Vector3 beside_the_points(const std::vector<FillPoint>& p, double spacing) {
   Vector3 corner;
   for (int d = 0; d < 3; ++d) {

@@ -43,11 +43,11 @@ struct PointFileOptions {
 struct PointCloud {
   std::vector<FillPoint> points;                             // points in the axes of the lattice
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rotation from these axes to those of the box
-  // Corner of the lattice, from the middle of the gap. Each point has a cell of its own. The corner is 0 if that is
-  // possible, else midway between points of a lattice.
+  // Corner of a lattice in which each point has a cell of its own, from the middle of the gap. It is 0 if that is
+  // possible, else half a cell beside the points.
   Vector3 corner = Vector3::Zero();
   // Corner of the lattice that has the points of full cells at the centres of its cells, if there is one (`regular`).
-  // Otherwise the corner above.
+  // Otherwise this is `corner`.
   Vector3 lattice = Vector3::Zero();
   bool regular = false;
   double largest_volume = 0;

@@ -69,7 +69,8 @@ void Cement::lay_out_run() {
   layout_manager_.lay_out(scene_.all_rows(), std::move(layers), {});
   condensing_.bind();
   open_contacts_of_files(scene_);
-  // The added mass depends on the time step, which may differ from that of the last step or of the restart file.
+  // The added mass depends on the time step. It is found for the last step first, which the energy balance has counted, and
+  // then for the step of this run. The difference of energy counts as released.
   const double dt = std::exchange(scene_.now.dt, scene_.dt_last);
   added_.refresh();
   scene_.now.dt = dt;
@@ -139,7 +140,8 @@ void Cement::read_commanded_velocities() {
   if (!scene_.penalty || !grains.find_commands(scene_.comm, condensed_.pack())) return;
   scene_.energy.do_work(condensed_.work_of_commands(scene_.bonds(), scene_.dt_last));
   if (added_.any()) {
-    const auto power = [&](auto of_bond) {  // of the nodal forces in the second half of the last step
+    // Work of forces on the nodes, in the second half of the last step, on the velocity kick() times the acceleration.
+    const auto power = [&](auto of_bond) {
       double sum = 0.0;
       for (const Bond& b : scene_.bonds().resolved()) sum += of_bond(b, b.grid.acceleration);
       return 0.25 * scene_.dt_last * (scene_.dt_last + scene_.now.dt) * sum;

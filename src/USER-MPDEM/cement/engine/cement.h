@@ -109,7 +109,7 @@ class Cement {
   void change_step();
   // Updates the slots of points, which are not kept sorted while points change cells.
   void sync_slots() { layout_manager_.sync_slots(); }
-  // Does so, and writes the strain of points of condensed bonds, for code that reads points.
+  // Calls sync_slots(), and writes the strain of points of condensed bonds, for code that reads points.
   void show_points();
   // Properties of layouts that are not made yet. These change nothing, and need no run. eigenvalue_of_new_layout():
   // largest eigenvalue. stiffness_of_bonds(): static stiffness of each bond in the present state; needs links.
@@ -117,7 +117,7 @@ class Cement {
   EigenvalueEstimate eigenvalue_of_new_layout() const;
   std::vector<StiffnessOfBond> stiffness_of_bonds() const;
   double grains_step() const { return stable_step_.of_grains(stiffness_of_bonds()); }
-  // The same, or no limit if a bond is almost separated and its static stiffness does not converge.
+  // grains_step(), or infinity if a bond is almost separated, so that its static stiffness does not converge.
   double grains_step_if_known() const {
     try {
       return grains_step();
@@ -132,7 +132,8 @@ class Cement {
   // Ligaments of intact bonds. rows: ascending.
   std::vector<Cracks::LigamentReport> ligaments(const std::vector<int>& rows) { return topology_.find_ligaments(rows); }
 
-  // Restart: packs the state of all ranks, complete on rank 0. head: with the values of the host.
+  // Restart: packs the state of all ranks, complete on rank 0. head: has the values that the host knows; the others are
+  // filled in.
   std::vector<double> packed_state(CementHead head);
   // Packs the motion of the nodes of this rank: the NodeRows of each bond, by row of the table.
   std::map<int, std::vector<double>> packed_nodes() const { return mpdem::packed_nodes(scene_); }

@@ -28,7 +28,7 @@ void global_max(std::vector<double>& v, MPI_Comm comm) {
 struct NodeSums {
   double kinetic = 0, discrete_kinetic = 0, momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};
 
-  // Starts with the impulses that the grains get in later steps. The nodes have got them in full.
+  // Starts with the impulses that grains are yet to get. The nodes have the opposite momentum already.
   explicit NodeSums(const std::vector<Grain>& grains) {
     for (const Grain& grain : grains) {
       const double* p = grain.state->pending_impulse;
@@ -95,8 +95,8 @@ double kinetic_energy(const Grain& g) {
   return sum;
 }
 
-// See Report::EnergyShares. put_in: energy put into the cement. Rounding, and work that the energy balance does not
-// count, may make it smaller than the kinetic energy.
+// See Report::EnergyShares. cement_load, of_grains: kinetic energy of the cement and of the grains. put_in: energy put
+// into the cement. Rounding, and work that the energy balance does not count, may make it smaller than cement_load.
 double kinetic_share_of(double cement_load, double of_grains, double put_in) {
   const double all = of_grains + std::max(put_in, cement_load);
   return all > 0.0 ? (of_grains + cement_load) / all : 0.0;
@@ -113,7 +113,8 @@ void count_bonds(const Cracks& cracks, int resolved, CementTotals& t) {
   }
 }
 
-// Sums over points, then over nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what accumulates.
+// Sums over points; links; nodes: kinetic energy, that of central differences, momentum, angular momentum; then the energy
+// balance, with the kinetic energy of grains before the cement that left.
 enum TotalIndex {
   kSumPoints,
   kSumFailed,

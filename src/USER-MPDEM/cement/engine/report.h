@@ -26,10 +26,10 @@ class Report {
   const std::vector<BondState>& bond_states();
   // The same, but columns that need points (BondColumn::needs_points()) are 0. Cheap enough for every step.
   const std::vector<BondState>& bond_loads();
-  // Shares of the energy put into cement and free grains and not taken back, 1 at most; 0 if there is none. kinetic:
-  // kinetic energy of both. That of the grains is multiplied by the mass scale S: cement with S times its inertia lags
-  // a motion of a grain as unscaled cement lags a motion sqrt(S) times as fast. dissipated: energy dissipated by
-  // damage, over the energy put into the cement.
+  // Shares of the energy put in and not taken out again, 1 at most; 0 if there is none. kinetic: kinetic energy of cement
+  // and free grains. That of the grains is multiplied by the mass scale S: cement with S times its inertia lags a motion
+  // of a grain as unscaled cement lags a motion sqrt(S) times as fast. dissipated: energy dissipated by damage, over the
+  // energy put into the cement.
   struct EnergyShares {
     double kinetic = 0.0, dissipated = 0.0;
   };

@@ -27,7 +27,7 @@ DamageLawSettings law_of(const Law& law, const CementOptions& o) {
   return now;
 }
 
-// Copies the options of the script.
+// Copies the options of the script to the head of a restart file.
 void parse_words(CementHead& head, const CementOptions& o, const Law& law) {
   head.cell = o.cell;
   head.basis = o.basis;
@@ -137,7 +137,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   return all;
 }
 
-// Reads the rows of bonds that follow the head. Bonds that made no step yet have had no check for cracks.
+// Reads the rows of bonds that follow the head.
 void Cement::restore_bonds(int bond_rows, RecordReader& in) {
   const int me = rank_in(scene_.comm);
   std::vector<Cracks::State> cracks(bond_rows);

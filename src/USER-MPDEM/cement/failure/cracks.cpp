@@ -193,7 +193,7 @@ bool Cracks::some_path_is_cut(MPI_Comm comm) const {
 
 Separation Cracks::find_separation(const BondRecord& record, int row, const CementOptions& options, const std::vector<CrackPoint>& points,
                                    bool residue) const {
-  double face[3];
+  double face[3];  // areas of the faces of a lattice cell, projected on a plane across the line of centres
   direction_of_centres(record, face);
   for (double& f : face) f = std::fabs(f) * record.spacing * record.spacing;
   const double reach = residue ? 0.0 : options.half_band;
@@ -312,7 +312,7 @@ Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const Ceme
 std::vector<Cracks::LigamentReport> Cracks::find_ligaments(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
                                                            const std::vector<int>& rows, bool residue) const {
   const WholeBonds whole = collect(comm, bonds, rows, options);
-  constexpr int kWords = 5;
+  constexpr int kWords = 5;  // ligament left and whole; areas at either grain and inside
   std::vector<double> found(kWords * rows.size(), 0.0);
   for (std::size_t b = 0; b < rows.size(); ++b) {
     const std::vector<CrackPoint>& points = whole.points[b];

@@ -50,7 +50,7 @@ class Cracks {
   void watch(const Bond& bond);
   // Records that the film of a bond failed on this rank.
   void note_film_failure(const Bond& bond);
-  // Does the same for links that debond from intact points in this step.
+  // Records as watch() does whether links that debond from intact points in this step cut the path.
   void note_debonded_links(const Bond& bond);
   // Collective. True if a path is cut on any rank, or a bond waits for its first examination.
   bool some_path_is_cut(MPI_Comm comm) const;
@@ -78,8 +78,8 @@ class Cracks {
   std::map<int, std::vector<char>> attached_grains(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
                                                    const std::vector<int>& rows) const;
 
-  // Collective. Records that these bonds (ascending) no longer carry load since this step. They count as broken if
-  // their ligament is less than that of the undamaged bond.
+  // Collective. rows: bonds that carry no load from this step on, ascending. Records those as broken whose ligament is
+  // less than that of the undamaged bond.
   void record_failures(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows, bool residue,
                        std::int64_t step);
 

@@ -20,8 +20,8 @@
 // * An unloaded bond returns along its secant, since damage leaves no residual strain: |q| decreases with |Q|, and the
 //   bond is not broken. The same is true when its load changes sign, in cycles about zero (both means vanish), and in
 //   free vibration.
-// * The largest load may have been a compression that the bond cannot carry in tension. Then more motion is needed than
-//   that load took.
+// * The largest load may have been a compression that the bond cannot carry in tension. Then the bond is broken only once
+//   it has moved further than under that load.
 // * A broken bond stays broken: it has failed once in the direction of its load. Its forces are not changed, so what
 //   still connects the grains carries load again if they are pressed together. With friction, a sliding bond carries
 //   more than 1 % or is separated.

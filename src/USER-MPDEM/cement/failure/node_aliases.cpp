@@ -65,7 +65,7 @@ void NodeAliases::find(PointStore& points, Grid& grid, const NodeSplitting& spli
 
 void NodeAliases::find_anew(PointStore& points, Grid& grid, const NodeSplitting& splits, const std::vector<int>& nodes) const {
   if (!allowed_) return;
-  // Lists of blocks whose points moved to other layers are still in grid.aliases.
+  // Blocks whose points moved to other layers leave their lists unused in grid.aliases. If most are unused, all are made anew.
   std::size_t used = 0;
   for (const BlockMeta& m : points.meta)
     if (may_alias(m)) used += count_of_nodes(m, support(grid.basis));

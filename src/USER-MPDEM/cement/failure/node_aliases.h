@@ -3,8 +3,9 @@
 //
 // Nodes of blocks whose points have all failed. Such points carry no stress. Where nodes split
 // (fracture/phantom_nodes.h) many of them are in layers of their own, whose nodes would be most of the grid of a
-// breaking bond. So these blocks have no nodes: they alias the representatives of theirs, which give the motion of the
-// points and have their mass. Nodes that a block had before its last point failed stay until the next layout.
+// breaking bond. So these blocks get no nodes. Instead they have aliases: at each place of a node, the representative of
+// the node that would be there. It gives the motion of the points and has their mass. Nodes that a block had before its
+// last point failed stay until the next layout.
 //
 // Throws std::logic_error if the grid lacks a representative.
 #ifndef MPDEM_CEMENT_FAILURE_NODE_ALIASES_H

@@ -204,7 +204,7 @@ NewLayersOfBonds NodeSplitting::start(MPI_Comm comm, Bonds& bonds, const CementO
   std::vector<char> is_new(to, 0);
   std::fill(is_new.begin() + first(), is_new.end(), 1);
   for (int r : others) is_new[r] = 1;
-  std::vector<char> wanted(is_restored_ ? std::vector<char>(to, 1) : is_new);
+  std::vector<char> wanted(is_restored_ ? std::vector<char>(to, 1) : is_new);  // restart files have no continuations
   if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) return {};
   known_.resize(to);
   for (int r = 0; r < to; ++r)
@@ -235,7 +235,7 @@ NewLayersOfBonds NodeSplitting::start(MPI_Comm comm, Bonds& bonds, const CementO
     Row& row = rows_[r];
     changes.back() = lattice.start(row.copies, unbonded_gaps[r]);
     if (is_new[r]) continue;
-    // only the lattice and the continuations are needed: a bond of a restart file has its copies from the file
+    // A bond of a restart file has its copies from the file. It needs the continuations of start() alone.
     changes.back() = NodeChange();
     row.copies.forget_rows();
   }
@@ -379,7 +379,7 @@ void NodeSplitting::bring(MPI_Comm comm, const Bonds& bonds) {
   for (int r = 0; r < first(); ++r) {
     if (r % ranks == me) continue;
     const Bond* bond = bonds.find(r);
-    if (!bond || !bond->has_points()) {  // phantom nodes stored here would not be updated; `edges` is the same on all ranks
+    if (!bond || !bond->has_points()) {  // copies here would not be updated; known_.edges stays, the same on all ranks
       rows_.erase(r);
       known_[r].copies = false;
     } else if (!known_[r].copies) {

@@ -31,7 +31,7 @@
 
 namespace mpdem {
 
-// Points that move to another layer, and nodes that take over the motion of another node (their source).
+// How layers of a bond change: points that move to another layer, and nodes that get the motion of another, their source.
 struct NewLayers {
   std::map<int, int> layer_of_slot;
   std::map<Key, Key> source;
@@ -85,12 +85,13 @@ class NodeSplitting {
     is_restored_ = true;
   }
 
-  // Edge constraints of the start, of these bonds on this rank, ascending in the constrained node. They are kept until
-  // they are dropped, or until bring() finds that points went to other ranks.
+  // Edge constraints of the start, of these bonds on this rank, ascending in the constrained node. They hold until they
+  // are dropped, or until bring() finds that points of the bond went to other ranks.
   bool edges_known(const std::vector<int>& rows) const;
   void keep_edges(const std::vector<int>& rows, std::vector<ExtensionConstraint> edges);
   void drop_edges(const std::vector<int>& rows);
-  // Representatives of the nodes of a bond's blocks, and the masters and mass receivers of its edge constraints.
+  // Nodes that a grid needs besides those of the blocks of points: representatives of nodes of layers above 0, and masters
+  // and mass receivers of edge constraints.
   virtual std::vector<Key> nodes_beside(const PointStore& points, int bond_row, int support) const;
   // All phantom nodes of a bond that are representatives with a volume above 0.
   std::vector<Key> copies_of(int bond_row) const;
@@ -100,7 +101,7 @@ class NodeSplitting {
   std::vector<Key> representative_of(const BlockMeta& block, int support) const;
   // Representatives of all copies of the nodes that split in a bond.
   std::vector<Key> representatives_at(int bond_row, const std::vector<Key>& split) const;
-  // Grid indices of the nodes whose constraints or masses depend on the copies of the nodes that split, ascending.
+  // Indices in `grid`, ascending, of the nodes whose constraints or masses depend on the copies of the nodes that split.
   std::vector<int> nodes_touched(const Grid& grid, int bond_row, const std::vector<Key>& split);
   // The node of the start from which this node descends.
   Key at_start(const Key& node) const;

@@ -12,7 +12,6 @@ namespace mpdem {
 
 namespace {
 
-// Calls f for each node of all cells of a block.
 template <class F>
 void for_each_node(const BlockMeta& m, int S, F f) {
   for (int i = 0; i < nodes_along(m, 0, S); ++i)
@@ -171,6 +170,7 @@ Key NodeSplitting::next(const Key& k, int direction) const {
   return key_at(bond_row, first, p);
 }
 
+// An edge constraint is void once its node, a master or a mass receiver has split. A copy then follows its representative.
 std::vector<ExtensionConstraint> NodeSplitting::ties(const std::vector<Key>& keys) const {
   std::vector<ExtensionConstraint> ties;
   ties.reserve(keys.size());

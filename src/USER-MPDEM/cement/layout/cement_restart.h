@@ -143,7 +143,7 @@ struct NodeRow {
   }
 };
 
-// The phantom node of one layer of a bond at a split node, see PhantomNodes.
+// The phantom node of one layer of a bond at a split node: an Entry of PhantomNodes (fracture/phantom_nodes.h).
 struct PhantomNodeRow {
   int row = 0, index[3] = {0, 0, 0};
   int layer = 0, copy = 0, first = 0;

@@ -69,8 +69,8 @@ class LayoutMaker {
     for (std::size_t n = 0; n < layouts_.size(); ++n) start(requests_[n], layouts_[n]);
     NodeSplitting& splits = rules_.splits;
     const bool finds_edges = rules_.options.tied && !splits.edges_known(rows_);
-    // The masters of a constrained node of this rank may be on other ranks. They are added here as nodes without cells.
-    // A first grid without motion (a plan) shows which.
+    // The masters of a constrained node of this rank may be nodes that only other ranks have. build() adds them here, as
+    // nodes without cells. A first grid without motion, the plan, shows which they are.
     if (finds_edges && ranks > 1) {
       std::vector<Grid> plans(layouts_.size());
       build(plans, false);
@@ -166,7 +166,7 @@ class LayoutMaker {
     nodes.next = [&splits](const Key& k, int direction) { return splits.next(k, direction); };
     std::vector<ExtensionConstraint> edges = find_extension_constraints(rules_.comm, rules_.options.basis, nodes);
     for (ExtensionConstraint& t : edges)
-      if (rules_.options.split) std::vector<std::pair<Key, double>>().swap(t.behind);  // unused by grids that are not chained
+      if (rules_.options.split) std::vector<std::pair<Key, double>>().swap(t.behind);  // only for the chain, which is not made then
     rules_.splits.keep_edges(rows_, std::move(edges));
   }
 
@@ -188,7 +188,8 @@ class LayoutMaker {
 
 }  // namespace
 
-// Columns are along the line of centres. So is their axis with `axis radial`, between the normals of their two ends.
+// Columns of a film are along the line of centres. With `axis radial` their axis is along it too: the normals of the two
+// grains at the ends of a column lie on either side of this line.
 void lay_out_film(Film& film, const BondRecord& record, const CementOptions& options, const std::shared_ptr<const Law>& law) {
   film.lay_out(record, law);
   CementOptions of_film(options);

@@ -5,7 +5,7 @@
 // (mpm/extension_constraints.h), and lumped mass. It is a function of the points and of the previous nodal motion, and
 // changes only its arguments. So a layout may also be made for a query, and dropped.
 //
-// Edge nodes remain constrained in separated bonds, too, where they are not split, see node_splitting.h.
+// In separated bonds, too, edge nodes remain constrained unless they are split, see node_splitting.h.
 #ifndef MPDEM_CEMENT_LAYOUT_LAYOUT_H
 #define MPDEM_CEMENT_LAYOUT_LAYOUT_H
 
@@ -24,7 +24,7 @@ namespace mpdem {
 struct LayoutRequest {
   int row = 0;
   PointStore points;
-  NodeKinematics before;  // previous motion of the nodes of the bond, of this rank or of all
+  NodeKinematics before;  // previous motion of nodes of the bond: of those of this rank, or of those of all ranks
   NewLayers layers;
 };
 

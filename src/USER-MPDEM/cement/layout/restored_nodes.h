@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Writes the motion of nodes to a restart file, and reads it. In the file, it is stored with points of its bond, by the
-// ranks that have these. After the file is read, it is kept here until the first layout. Before that layout it is sent
-// to all ranks that have points of the bond. Units are those of the nodes.
+// Motion of nodes in restart files. The file has it with the points of their bond. packed_nodes() packs it for writing.
+// RestoredNodes keeps what was read until the first layout, and sends it to all ranks that have points of the bond
+// before that. Units are those of the nodes.
 #ifndef MPDEM_CEMENT_LAYOUT_RESTORED_NODES_H
 #define MPDEM_CEMENT_LAYOUT_RESTORED_NODES_H
 
@@ -29,7 +29,7 @@ class RestoredNodes {
   // Collective, before a layout. Sends rows to the ranks that have points of their bond, since points may have changed
   // rank since the file was read. Throws BadState if rows are missing.
   void bring();
-  // of(): motion of the nodes of a bond, once bring() was called. any() is true if there is motion of a file.
+  // of(): motion of the nodes of a bond, once bring() was called. any() is true if a restart file gave motion.
   bool any() const { return !motion_.empty(); }
   NodeKinematics& of(int row) {
     if (static_cast<std::size_t>(row) >= motion_.size()) motion_.resize(row + 1);  // the bond was made after the file was read

@@ -13,7 +13,7 @@ namespace mpdem {
 void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
   const int first = scene.rows_started, rows = static_cast<int>(scene.bonds().table.size()) - first;
   if (rows == 0) return;
-  // Normal equations of v = A (1, X/cell), 4 x 4 and 4 x 3 for each bond.
+  // Normal equations of the linear field v = (1, X/cell) A: matrix 4 x 4 and right-hand side 4 x 3 for each bond.
   constexpr int kNormal = 28;
   std::vector<double> sums(static_cast<std::size_t>(kNormal) * rows, 0.0);
   struct New {

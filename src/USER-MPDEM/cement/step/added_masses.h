@@ -26,9 +26,9 @@ class AddedMasses {
   // Collective. Call when the layout of these bonds changed during a run. Computes all added mass again if the known
   // eigenvalue changed. event: cause of the change, for the message. Throws BadState if the step is too long now.
   void follow(const std::vector<int>& rows, const char* event, const StableStep::Patches* patches = nullptr);
-  // Collective, in watch steps. Updates the added mass of bonds whose contact points moved to other material points
-  // (rows of this rank), or came near to their grains or away from them. Nodes that get added mass are slowed, so that
-  // they gain no energy (AddedMass::add_to_nodes()).
+  // Collective. Acts only in topology steps (Scene::contacts_move()). Updates the added mass of bonds whose contact points
+  // came near to their grains or went away from them, and of the rows `moved` of this rank, whose contact points are on
+  // other material points. Nodes that get added mass are slowed and gain no energy (AddedMass::add_to_nodes()).
   void follow_contacts(const std::vector<int>& moved);
   // Collective. Removes the added mass of links that debonded during a run.
   void drop_debonded();

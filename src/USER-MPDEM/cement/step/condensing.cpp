@@ -177,7 +177,7 @@ bool Condensing::rests(Bond& b) {
   const BondRecord& record = scene_.bonds().record(b);
   if (!scene_.bonds().is_whole(b)) return false;
   if (!record.has_grain(0) || !record.has_grain(1)) return false;  // fragments may be far from the grain that is left
-  // checks that are still to come, which condensed bonds do not get
+  // a condensed bond is not examined, so node splitting and the check must have seen all failed points
   const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.split_checked) != 0; };
   if (scene_.options.split && std::any_of(b.points.meta.begin(), b.points.meta.end(), is_to_split)) return false;
   if (cracks_.separated(b.row) && !cracks_.has_seen(b)) return false;
@@ -215,7 +215,7 @@ void Condensing::condense_again() {
   const std::vector<int> rows = recondensed_.rows = rows_that_rest();
   if (rows.empty()) return;
   const double half = 0.5 * scene_.dt_last;
-  std::vector<double> rest(6 * grains.ends.ends.size(), 0.0);  // difference of momentum, passed to the grains
+  std::vector<double> rest(6 * grains.ends.ends.size(), 0.0);  // of each end: momentum that the bond loses, given to the grain
   struct OfRow {
     int row, at;
     BondEnd ends[2];
@@ -245,7 +245,7 @@ void Condensing::condense_again() {
     b->average = DriveAverage();  // it would keep its lists as long as the bond is condensed
   }
   const std::vector<BondedGrains::OwnedEnd> owned = grains.owned();
-  BondEnds ends = grains.ends;
+  BondEnds ends = grains.ends;  // as indexed by `rest`; rebind_ends() drops the ends of condensed bonds
   scene_.bonds().resolved_changed();
   layout_manager_.lay_out(rows, {}, {});
   grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.inertia, {});

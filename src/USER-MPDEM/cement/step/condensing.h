@@ -33,19 +33,19 @@ class Condensing {
         added_(added),
         work_(work) {}
 
-  // Call before the layout of a run. Marks bonds that no step has moved yet. Throws BadState if the options of the
-  // script differ from those of the steps before.
+  // Call before the layout of a run. Marks bonds that no step has moved yet (BondRecord::condensed). Throws BadState if
+  // bonds are condensed, but the options of the script do not allow that.
   void choose();
   // Call after a layout of bonds, or when grains came from other ranks or are new. Binds the ends of bonds to their
   // grains, and gives condensed bonds the data of their grains.
   void bind();
   // Condenses the marked ones of these bonds. Call after bind(), with the links of the run.
   void condense(const std::vector<int>& rows, bool at_start);
-  // Call once the forces of a step are known. Activates bonds near their threshold. After a check, it condenses
-  // resolved bonds again that lie on one rank, are far from their threshold, and whose force and energy hardly change
-  // by it, since their waves have decayed. They keep their damage and take their present stiffness. Separated bonds are
-  // condensed too, if their pieces rest with their grains. Returns true if something changed. Then compute the forces
-  // of the step again, as at the start of a run, so that a divided run gives the result of a single run, and call
+  // Call once the forces of a step are known. Activates bonds near their threshold. After a check, it also condenses
+  // resolved bonds again. Such a bond lies on one rank, is far from its threshold, and its waves have decayed: force and
+  // energy hardly change as it is condensed. It keeps its damage, and its solution has the present stiffness. A separated
+  // bond is condensed if its pieces rest with their grains. Returns true if something changed. Then compute the forces of
+  // the step again as the start of a run does, so that a divided run gives the result of a single run, and call
   // count_changes().
   bool change();
   void count_changes();
@@ -59,7 +59,7 @@ class Condensing {
   void condense_again();
   void install_templates(bool at_start);
   std::vector<int> ask_for_points(const std::vector<int>& rows);
-  // Collective. Bonds to activate. All ranks of a cut bond examine it together where averages count.
+  // Collective. Bonds to activate. With nonlocal damage, all ranks of a cut bond examine it together.
   std::vector<int> rows_to_activate();
   std::vector<int> rows_that_rest();
   bool rests(Bond& b);
@@ -77,8 +77,8 @@ class Condensing {
   std::vector<int> rows_that_want_points_;
   struct Change {
     std::vector<int> rows;
-    double energy = 0.0;     // energy that the rows had before, on this rank
-    double to_grains = 0.0;  // energy that went to grains of this rank at once
+    double energy = 0.0;     // energy that the rows had before, on this rank; count_changes() subtracts what they have after
+    double to_grains = 0.0;  // energy that grains of this rank gained by BondedGrains::apply_impulse()
   };
   Change activated_, recondensed_;  // bonds activated in this step, and bonds condensed again
 };

@@ -14,13 +14,13 @@ namespace mpdem {
 
 namespace {
 
-// The nearest intact points of one rank for an orphaned contact point.
+// The nearest intact points of one rank for an orphaned contact point: their number, and their common distance `far`.
 struct Offer {
   int orphan, points;
   double far;
 };
 
-// The nearest points on all ranks.
+// The same for the points of all ranks.
 struct Nearest {
   int points = 0;
   double far = 0.0;

@@ -13,11 +13,11 @@
 
 namespace mpdem {
 
-// Call at the start of a run. Opens contact points in new bonds that were debonded in their file.
+// Call at the start of a run. Makes contact points in new bonds, where their point file has debonded surface.
 void open_contacts_of_files(Scene& scene);
-// Collective, at the start of a step. In watch steps, contact points whose material points failed move to the nearest
-// intact ones. Nodes and grains are where they were at the end of the last step. Returns the bonds of this rank whose
-// contact points moved, ascending.
+// Collective, at the start of a step. In topology steps (Scene::contacts_move()), contact points whose material points
+// failed move to the nearest intact ones. Nodes and grains are where they were at the end of the last step. Returns the
+// bonds of this rank whose contact points moved, ascending.
 std::vector<int> remap_contacts(Scene& scene);
 
 }  // namespace mpdem

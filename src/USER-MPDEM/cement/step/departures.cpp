@@ -29,7 +29,7 @@ int ends_in(const BondRecord& record, const std::vector<int>& grains) {
   return bits;
 }
 
-// Drops links and contact points whose grain is gone.
+// Drops the links or contact points of a grain.
 template <class List>
 void drop_of_grain(List& list, int grain) {
   list.erase(std::remove_if(list.begin(), list.end(), [grain](const auto& a) { return a.grain == grain; }), list.end());
@@ -75,7 +75,9 @@ Leaving Departures::choose(const Departing& departing) {
   return leaving;
 }
 
-// A fragment of a condensed bond belongs to a piece, and leaves with the grain of that piece.
+// held: of each slot, bits of the grains to which the point is attached; 0 for a fragment. An attached point leaves if all
+// its grains do. A fragment of a resolved bond leaves if it is outside or deleted, or lies on nodes of cement that leaves.
+// A fragment of a condensed bond belongs to a piece, and leaves only with the grain of that piece.
 void Departures::choose_points(Bond& b, const std::vector<char>& held, const Departing& departing, bool as_a_whole,
                                Leaving& leaving) const {
   const BondRecord& record = scene_.bonds().record(b);
@@ -120,7 +122,6 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
   });
 }
 
-// Points and volume that leave each row, on all ranks.
 std::vector<Departures::Share> Departures::shares(const Leaving& leaving) const {
   std::vector<double> sum(2 * leaving.rows.size(), 0.0);
   for (std::size_t n = 0; n < leaving.rows.size(); ++n) {
@@ -238,7 +239,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   EnergyBalance::Left left;
   std::vector<int> emptied;
   std::vector<Pieces> pieces;
-  double ahead = ahead_of_grains(of_rows, leaving.grains);  // counted in advance, for the second half of the last step
+  double ahead = ahead_of_grains(of_rows, leaving.grains);
   for (const Share& share : of_rows) {
     const BondRecord& record = scene_.bonds().table[share.row];
     if (record.condensed) pieces.push_back(pieces_of(share.row));
@@ -259,7 +260,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   condensing_.condense(leaving.rows, false);
   for (const Pieces& p : pieces) add_pieces(p, -1.0, left, ahead);
   scene_.energy.leave(left);
-  scene_.energy.start(0.0, {-ahead, 0.0}, {}, 0.0);  // takes back the work counted in advance, which is not done any more
+  scene_.energy.start(0.0, {-ahead, 0.0}, {}, 0.0);  // cement leaves before the half step whose work was counted in advance
   return tags;
 }
 

@@ -86,8 +86,8 @@ LayoutRequest LayoutManager::request_of(Bond& b, NewLayersOfBonds& layers) {
   return r;
 }
 
-// Where nodes split, mass returns from mass receivers to constrained nodes. A rigid motion restores momentum and
-// angular momentum.
+// Where nodes split, constraints end, and mass returns from mass receivers to nodes of another velocity. keep_motion()
+// restores momentum and angular momentum.
 void LayoutManager::lay_out(const std::vector<int>& rows, NewLayersOfBonds layers, const How& how) {
   restored_.bring();
   const bool moves = scene_.laid_out && how.splits;

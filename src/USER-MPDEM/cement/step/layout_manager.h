@@ -31,7 +31,8 @@ class LayoutManager {
   void move_phantom_nodes();
   // Call when the host has made points of these rows of the table.
   void points_were_made(const std::vector<int>& rows) { fresh_points_.insert(fresh_points_.end(), rows.begin(), rows.end()); }
-  // Stores the axis of the elasticity of bonds that have points without a frame, or points yet to be made.
+  // Stores the options for the axis of the elasticity in the records of bonds that have none yet, but have points without
+  // a frame or points made later.
   void remember_axis();
 
   struct How {

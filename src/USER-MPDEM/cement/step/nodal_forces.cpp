@@ -118,8 +118,8 @@ void NodalForces::find_grain_accelerations() {
   scene_.timer.start(StepTimer::kNodes);
 }
 
-// N is the inertia of nodes, added mass and grains, with lumped mass M_L of the nodes. With a = N^-1 f, the
-// accelerations are N^-1 (f + (M_L - M) a). See mpm/consistent_mass.h.
+// The nodes have lumped mass M_L and consistent mass M. N is the inertia of nodes, added mass and grains with M_L. With
+// a = N^-1 f, the accelerations are N^-1 (f + (M_L - M) a). See mpm/consistent_mass.h.
 void NodalForces::add_inertial_forces() {
   find_grain_accelerations();
   for (Bond& b : scene_.bonds().resolved()) {

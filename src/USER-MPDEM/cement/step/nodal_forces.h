@@ -27,7 +27,7 @@ class NodalForces {
   void begin(double kick);
   // Call after that pass. Counts the energies that it dissipates and releases.
   void end_pass();
-  AdvanceResult& pass() { return pass_; }  // result of the present bond, for kernels
+  AdvanceResult& pass() { return pass_; }  // for the pass: energies of all bonds so far, failed points of this one
   const PassTicks& ticks() const { return pass_.ticks; }
   void clear_ticks() { pass_.ticks = PassTicks(); }
 

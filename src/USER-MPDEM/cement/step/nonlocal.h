@@ -15,7 +15,7 @@ namespace mpdem {
 void find_near_threshold(const Scene& scene, Bond& b);
 
 // Collective. Leaves the averages on the grids, for the pass over the points. Does nothing without nonlocal damage.
-// any_bond_is_cut: whether ranks cut a bond, on any rank.
+// any_bond_is_cut: whether ranks share the nodes of any bond of the scene.
 void average_drives(Scene& scene, bool any_bond_is_cut);
 
 // Collective. Averages the driving forces of bonds that ranks cut, from the present strain of their points. rows: the

@@ -36,7 +36,7 @@ class Reprojected : public Total {
     scene_.energy.damp_by(
         [&] { return work_.kinetic_energy(b, half) + (b.row < scene_.rows_started ? b.added.energy_ahead(b.grid, ends, kick) : 0.0); },
         [&] { reproject_velocity(b.points, b.grid, b.added.of_nodes(), scene_.inertia, scene_.options.transfer, kick, b.jump); });
-    // the energy of added mass is that at the full step, too; the reaction loads the grains
+    // takes back half a kick, so that the energy of added mass is that at the full step, too; its reaction does work on grains
     scene_.energy.damp(half * b.added.power(b.grid, ends, b.jump) - b.added.work_of_reaction(b.grid, ends, b.jump));
     scene_.energy.do_work(half * work_.gravity_power(b, b.jump));
   }

@@ -155,8 +155,8 @@ double StableStep::find() {
 }
 
 // The known eigenvalue is kept unless the new one is clearly larger. The added mass depends on it, and has a margin for
-// that. It must be the same in runs that are divided or restarted otherwise. It is found precisely, so that bonds along
-// other axes of the box, whose nodes have another order, have the same added mass.
+// that. It must not depend on where a run is divided or restarted. It is found precisely, so that bonds along other axes
+// of the box, whose nodes have another order, have the same added mass.
 double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Look look) {
   double mine = 1.0, ties;
   for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_constraint_factor());

@@ -27,8 +27,8 @@ class StableStep {
   // Largest stable step of the present state, from the largest eigenvalue of the cement and the damping of the options.
   double find();
   EigenvalueEstimate eigenvalue() const;
-  // True with `updated` kinematics: points move within the cells, so only the bound is valid for later steps. The
-  // functions above and below return the bound then.
+  // True with `updated` kinematics: points move within the cells, so only the bound is valid for later steps. eigenvalue()
+  // and limiting_eigenvalue() return the bound then.
   bool bound_alone() const;
   // Largest stable step of the present state within some per cent, for messages. The known eigenvalue stays.
   double estimate() const;
@@ -44,7 +44,7 @@ class StableStep {
   // Effect of the damping of `quasistatic` on the step. step: with damping. undamped: without it. admitted: damping
   // that shortens the step by a tenth at most.
   struct DampedStep {
-    static constexpr double kKept = 0.9;
+    static constexpr double kKept = 0.9;  // a step below this share of the undamped one is short
     double step, undamped, admitted;
     bool is_short() const { return step < kKept * undamped; }
   };
@@ -70,7 +70,7 @@ class StableStep {
 
  private:
   std::vector<EigenvalueSystem> systems_of(const std::vector<int>& rows, const Patches* patches, bool with_templates) const;
-  // at_start and after_change may be coarse. after_change: these bonds alone, during a run.
+  // Precision of an eigenvalue: at_start and after_change are coarse where that is enough. after_change leaves out templates.
   enum class Look { precise, at_start, after_change };
   EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Look look) const;
   double limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Look look);

@@ -39,6 +39,7 @@ void Substeps::begin() {
   for (Grain& g : scene_.grains.grains)
     for (int d = 0; d < 6; ++d) {
       g.start[d] = g.velocity[d];
+      // n (F - u) + f. Grain::force is F + f, less the share of f that is the impulse of other sub-steps.
       g.kick[d] = n * (g.force[d] + g.load_of_other_substeps[d] - g.cement_load[d] - g.spread(d, n)) + g.cement_load[d];
     }
 }
@@ -84,7 +85,7 @@ void Substeps::move_grains() {
       g.x[d] = g.free[d] ? before + dt * g.velocity[d] : paths_[i].position(d, n * dt, double(scene_.substep) / n);
       g.moved[d] = g.x[d] - before;
       g.state->x[d] = scene_.ends_step() ? before : g.x[d];
-      // sums the deviation of the sub-steps from uniform motion
+      // sum of (middle between the two ends of the step - position) over all sub-steps but the last
       if (scene_.substep == 1) g.state->path_offset[d] = 0.0;
       g.state->path_offset[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - paths_[i].from[d]) : paths_[i].from[d] - g.x[d];
     }

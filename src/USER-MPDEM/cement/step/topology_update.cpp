@@ -116,8 +116,8 @@ void TopologyUpdate::split_nodes() {
 }
 
 // Mass stays with its phantom node, and phantom nodes move as the node did, so momentum and energy are conserved. Nodes
-// that are no longer constrained get their mass back, see restore_rigid_motion(). Returns the nodes whose constraints and
-// masses are new.
+// whose constraint ends get their mass back from mass receivers, see restore_rigid_motion(). Returns the nodes whose
+// constraints and masses are new.
 std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers) {
   const double kick = scene_.kick();
   const BondMotion before = sums_of_motion(b.grid, kick);
@@ -133,6 +133,7 @@ std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers
   }
   sort_unique(more);
   more.erase(std::remove_if(more.begin(), more.end(), [&](const Key& k) { return b.grid.node_at(k) >= 0; }), more.end());
+  // New nodes change the indices of others. Blocks that stay are renumbered, those that moved are searched for anew.
   const std::vector<int> new_index = b.grid.add_nodes(more);
   b.grid.copy_motion(layers.source);
   aliases.copy_motion_of_representatives(b.grid, *discontinuities_.splits, more, layers.source);

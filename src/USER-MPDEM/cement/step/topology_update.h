@@ -42,7 +42,7 @@ class TopologyUpdate {
   struct Found : NodeSplitting::Found {
     std::vector<int> held;  // see Cracks::Found
   };
-  Found find_separations(bool with_separated, int from = 0);  // from: the first row
+  Found find_separations(bool with_separated, int from = 0);  // see Cracks::detect_separations()
   void update_after_check();
   void update_cut_paths();
   void split_at_failed_points();

@@ -109,7 +109,7 @@ class Updated : public Kinematics {
     b.unmoved = false;
     scene_.timer.start(StepTimer::kNodes);
     if (added_.any()) scene_.grains.follow_jumps(b, dt, scene_.dt_last, scene_.weight_of(b), scene_.energy);
-    b.grid.drift(kick, 0.0);
+    b.grid.drift(kick, 0.0);  // changes velocities alone
     kinetic_.push_back(work_.kinetic_energy(b, 0.0));
     inertial_.push_back(b.added.energy(b.grid, scene_.grains.ends_of(b)));
     b.jump.assign(b.grid.velocity.size(), 0.0);
@@ -130,7 +130,7 @@ class Updated : public Kinematics {
       v[i] += kick * b.grid.acceleration[i];
       b.jump[i] = v[i] - kicked[i];
     }
-    // this precedes the motion of the nodes, unlike the transfer
+    // nodes move with this change, unlike with that of the transfer, so it is counted with the accelerations before
     scene_.energy.damp(-work_.half_kick(b, b.jump));
     scene_.energy.do_work(0.5 * scene_.dt_last * work_.gravity_power(b, b.jump));
     b.filtered = b.jump;

@@ -31,8 +31,8 @@ class WorkOfStep {
   // Power of all loads of the host on the nodes of a bond, and of inertial forces (`mass_order 2`).
   double load_power(const Bond& b, const std::vector<double>& velocity) const;
   double inertial_power(const Bond& b, const std::vector<double>& velocity) const;
-  // Energy that a change of velocity takes from what central differences conserve, in excess of that of the stored
-  // velocity: minus dt/2 times the power of the nodal forces on it. jump: change of the nodal velocities, or empty.
+  // Central differences conserve m v.(v + dt a)/2 with the stored velocity v. Returns the loss of the second term as v
+  // changes: minus dt/2 times the power of the nodal forces on `jump`, the change of the nodal velocities, or empty.
   double half_kick(const Bond& b, const std::vector<double>& jump) const;
 
   // Work on the cement of bonds from first_row on. of_loads() is the work of grains, gravity and impulses of the host.

@@ -241,7 +241,7 @@ int AtomVecMpdem::pack_rows(int i, double* buf) {
   const auto of_bond = is_point(i) ? rows_.find(bond[i]) : rows_.end();
   if (of_bond == rows_.end()) return 0;
   RowsOfBond& b = of_bond->second;
-  const auto upto = [&](int points) { return b.rows.size() / kNumbersOfRow * points / b.points * kNumbersOfRow; };
+  const auto upto = [&](int points) { return b.rows.size() / kNumbersOfRow * points / b.points * kNumbersOfRow; };  // end of their rows
   const std::size_t from = upto(b.dealt), to = upto(b.dealt + 1);
   ++b.dealt;
   if (from == to) return 0;
@@ -259,12 +259,12 @@ int AtomVecMpdem::size_restart() {
   for (auto& b : rows_) {
     b.second.dealt = 0;
     const int rows = static_cast<int>(b.second.rows.size()) / kNumbersOfRow;
-    n += rows * kNumbersOfRow + 2 * std::min(rows, b.second.points);  // number of points that get rows
+    n += rows * kNumbersOfRow + 2 * std::min(rows, b.second.points);  // kind and number for each point that gets rows
   }
   return n;
 }
 
-// State, rows and their length follow the data of the fixes. unpack_restart() removes them again before the base class
+// Rows of nodes, state and their length follow the data of the fixes. unpack_restart() removes them again before the base class
 // passes the rest to the fixes.
 int AtomVecMpdem::pack_restart(int i, double* buf) {
   int m = AtomVecSphere::pack_restart(i, buf);
@@ -276,10 +276,10 @@ int AtomVecMpdem::pack_restart(int i, double* buf) {
   return m;
 }
 
-// Returns what is wrong with the data of an atom in a restart file. The last `own` numbers are the state and its
-// length.
+// Returns what is wrong with the data of an atom in a restart file. The last `own` numbers are rows of nodes, the state
+// and their length. The first ones are those of AtomVecSphere::pack_restart().
 std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own) const {
-  const auto whole = [](double v) { return ubuf(v).i; };
+  const auto whole = [](double v) { return ubuf(v).i; };  // LIGGGHTS stores the bits of integers
   const int fixes = total - own - kSphereNumbers;
   if (fixes < 0 || !waiting.fits(lmp, buf + kSphereNumbers, fixes)) return "the state of fixes is not as long as the file says";
   mpdem::FirstTrouble found;

@@ -83,7 +83,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // again.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
   static constexpr int kRestartVersion = 27, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: index in the head
-  static inline bool restart_is_sealed = false;
+  static inline bool restart_is_sealed = false;  // set by host/restart_seal.cpp: the file that is written will get a seal
 
   // Rows of nodes, kNumbersOfRow values each, that the next restart file stores with the points of a bond on this rank.
   // They are spread evenly over the points, so that no atom has many. After read_restart, restored_rows has the rows of
@@ -94,7 +94,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // Same result on all ranks. Stops if cement is in motion and there is no fix mpm to write the motion of its nodes.
   // Call it before a restart file is written.
   void check_motion_is_kept() const;
-  std::vector<double> restored_rows;
+  std::vector<double> restored_rows;  // see kNumbersOfRow
 
   // Returns the atom style in use, or null if it is another.
   static AtomVecMpdem* of(LAMMPS* lmp);

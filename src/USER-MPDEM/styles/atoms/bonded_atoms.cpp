@@ -125,7 +125,7 @@ void BondedAtoms::expect_gravity(BondedGrains& grains, const Fix* fix) const {
 
 void BondedAtoms::report_trouble() { stop_if_any(lmp_, trouble_); }
 
-// Any smooth motion stays well within twice the larger of the two velocities.
+// Any smooth motion stays well within twice the larger of the velocities of this sub-step and the last one.
 void BondedAtoms::follow(BondedGrains& grains, double cell, double dt) {
   const Atom& atom = *lmp_->atom;
   for (std::size_t n = 0; n < atoms_.size(); ++n) {

@@ -38,8 +38,8 @@ class BondedAtoms {
 
   // Stops if follow() found a jump on any rank. Collective, so it is not called in every step.
   void report_trouble();
-  // Records positions and displacements of grains, and checks that these agree with the velocities. Call it in each
-  // step, before the engine forgets the velocities of the last one.
+  // Records positions and displacements of grains, and checks that these agree with the velocities. dt: time since the
+  // recorded positions, that of a sub-step. Call it in each step, before the engine forgets the velocities of the last one.
   void follow(BondedGrains& grains, double cell, double dt);
 
  private:

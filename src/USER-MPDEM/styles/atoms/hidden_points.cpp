@@ -20,6 +20,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
+// Constants and functions of a formula that do not depend on atoms.
 const char* const kWords[] = {"PI",    "step", "dt",      "time",    "sqrt",   "exp",       "ln",      "log",    "abs",
                               "sin",   "cos",  "tan",     "asin",    "acos",   "atan",      "atan2",   "ceil",   "floor",
                               "round", "ramp", "stagger", "logfreq", "stride", "vdisplace", "swiggle", "cwiggle"};

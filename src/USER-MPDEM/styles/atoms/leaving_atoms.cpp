@@ -113,7 +113,7 @@ std::optional<Departing> LeavingAtoms::find(const AtomVecMpdem& avec, bool point
       if (b.has_grain(s)) bonded.push_back(b.grain[s]);
   sort_unique(bonded);
   std::vector<char> stays(bonded.size(), 0);
-  enum { kGrains, kDeleted, kOutside, kSums };
+  enum { kGrains, kDeleted, kOutside, kSums };  // grains inside the box; points without an atom; points beyond a face
   bigint mine[kSums] = {0, 0, points_too ? static_cast<bigint>(outside_.size()) : 0}, all[kSums];
   std::string trouble;
   for (const Bond& b : avec.bonds) mine[kDeleted] += b.size();

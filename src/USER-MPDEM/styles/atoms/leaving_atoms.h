@@ -51,7 +51,7 @@ class LeavingAtoms : protected LAMMPS_NS::Pointers {
  private:
   struct Outside {
     int atom, row, slot, direction;
-    double x;
+    double x;  // coordinate in this direction, which is beyond a face
   };
   void show(int i, int row, int slot, double* x);
   std::string place(int d, double x) const;

@@ -62,8 +62,8 @@ class RigidBody {
       std::copy(grains[s].omega, grains[s].omega + 3, both_[s].omega);
     }
     if (!record.in_motion) return;
-    // from the axes of the bond back to those of its first grain, and on to the box by the present rotation of the
-    // grain
+    // From the axes of the bond to those fixed in the first grain, and on to the box by the present orientation of the
+    // grain.
     turned_ = product(rotation_of(grain_.q), transpose(rotation_of(record.orientation[0])));
   }
   void find(const double* X, double* x, double* v) const {
@@ -183,7 +183,7 @@ double make_points(LAMMPS* lmp, const std::vector<int>& rows) {
     const PointTemplate& of_bond = avec.bonds.templates[record.point_template - 1];
     const RigidBody rigid(record, &grains[2 * n]);
     int mine = 0;
-    for (const bool count : {true, false}) {
+    for (const bool count : {true, false}) {  // counts the points of this rank, then makes them
       if (!count) atoms.reserve(mine, n + 1 < rows.size());
       for (std::size_t p = 0; p < of_bond.points.size() && (count || mine > 0); ++p) {
         int image[3] = {0, 0, 0};

@@ -111,7 +111,7 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec.is_point(i)) continue;
     const BondRecord& record = table[avec.bond[i]];
-    SubdomainIndex here, next;
+    SubdomainIndex here, next;  // next: on the path to `to`
     for (int d = 0; d < 3; ++d) here[d] = next[d] = comm->myloc[d];
     SubdomainIndex to = here;
     if (for_run) {
@@ -121,7 +121,7 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
       continue;  // its true position could not be restored afterwards
     }
     mine[kInTransit] |= next != to;
-    if (record.home == 0 && next == to) continue;  // its position alone leads to this rank
+    if (record.home == 0 && next == to) continue;  // its true position leads there
     mine[kShown] = 1;
     for (int d = 0; d < 3; ++d) atom->x[i][d] = middle(d, next[d]);
   }

@@ -15,8 +15,8 @@
 
 namespace LAMMPS_NS {
 
-// In a row, the data of each fix begin with their length. Values have the same length for all atoms. A contact history
-// grows with the contacts, and zeros of any length are a history without contacts.
+// In a row of atom->extra, the data of each fix begin with their length. Values have the same length for all atoms. A
+// contact history grows with the contacts. Zeros of any length are one without contacts, so the shortest is taken.
 
 bool UnclaimedState::fits(LAMMPS* lmp, const double* state, int size) {
   if (size > lmp->atom->nextra_store) return false;

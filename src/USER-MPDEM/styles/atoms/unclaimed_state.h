@@ -27,8 +27,8 @@ class UnclaimedState {
  private:
   std::vector<double> neutral_row(LAMMPS* lmp, int atoms) const;
 
-  int first_tag_ = 0;  // lowest ID of points with a neutral row; 0: none
-  std::vector<double> row_;
+  int first_tag_ = 0;        // lowest ID of points with a neutral row; 0: none
+  std::vector<double> row_;  // the neutral row
 };
 
 }  // namespace LAMMPS_NS

@@ -407,7 +407,7 @@ mpdem::TemplateHead CreateCement::head() const {
 std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
   const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   const std::vector<BondRecord>& table = avec->bonds.table;
-  std::vector<double> full;
+  std::vector<double> full;  // least volume of an uncut cell, by row
   for (const BondRecord& b : table) full.push_back(0.95 * std::pow(b.spacing, 3));
   std::vector<mpdem::FullPoint> found;
   for (int i = 0; i < atom->nlocal; ++i) {

@@ -42,7 +42,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   void cement_pair(mpdem::Arguments& args);
   void cement_contacts(mpdem::Arguments& args);
   void report_sums(const mpdem::CementMaker::Sums& sums, int groupbit, const std::string& name);
-  static mpdem::Arguments named(const mpdem::GrainTags& pair, const mpdem::Arguments& args);
+  static mpdem::Arguments named(const mpdem::GrainTags& pair, const mpdem::Arguments& args);  // copies args, with the pair in its messages
 
   // existing grains and bonds
   std::vector<mpdem::Sphere> spheres(int groupbit) const;  // grains of this rank
@@ -66,8 +66,8 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   int groupbit_ = 0, type_ = 0;
   double density_ = 0.0;
   mpdem::SceneBox box_;
-  mpdem::PointAtoms* atoms_ = nullptr;  // set while points are made
-  std::map<std::vector<double>, int> known_templates_;
+  mpdem::PointAtoms* atoms_ = nullptr;                  // set while points are made
+  std::map<std::vector<double>, int> known_templates_;  // numbers from 1, by packed template
 };
 
 }  // namespace LAMMPS_NS

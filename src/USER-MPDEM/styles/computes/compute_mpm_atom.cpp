@@ -21,6 +21,7 @@ using mpdem::vd;
 
 namespace {
 
+// In the order of kNames. Quantities of the law follow, see names_of(). value_of() relies on this order.
 enum Quantity {
   kDamage,
   kDamageXX,

@@ -66,7 +66,8 @@ void AutoStep::warn_of_splitting(const CementOptions& o) {
                            most, "' or less for cement that breaks"));
 }
 
-// A run from a restart file may ask for a smaller share. It never gets a longer step.
+// Keeps the step that was found before, unless it is longer than the limit, or than a smaller share of it that the script
+// asks for after read_restart. So the step never becomes longer.
 void AutoStep::set_step(double limit, const EigenvalueEstimate& e, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fix* own) {
   double dt = share_ * limit;
   std::string share = text_of(share_, " of the limit,");

@@ -20,8 +20,8 @@ class AutoStep : protected LAMMPS_NS::Pointers {
 
   // Number of sub-steps of the cement in a step.
   int substeps(const CementOptions& o) const;
-  // Collective. Sets step and sub-steps before other fixes read the step. Call it in the init of fix `running`. own:
-  // fix mpm. Throws BadState.
+  // Collective. Sets step and sub-steps. Call it in the init of fix `running`. Fixes that come before it, but for fix mpm
+  // (own), are initialised again, since they have read the old step. Throws BadState.
   void set(Cement& c, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fix* own);
   // With `subcycle auto` prints the number of sub-steps if it changed, and stops if there are too many.
   void report_substeps(const CementOptions& o);

@@ -95,7 +95,7 @@ bigint failed_without_damage(MPI_Comm world, Cement& c) {
     for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
       for (int l = 0; l < kLanes; ++l) {
         const BlockMeta& m = bond.points.meta[b];
-        const bool waits = (m.occupied & m.failed & ~m.distorted) >> l & 1;
+        const bool waits = (m.occupied & m.failed & ~m.distorted) >> l & 1;  // its crack may close
         if (waits && !(crack_of(bond.points, kLanes * static_cast<int>(b) + l).damage[0] > 0.0)) ++mine;
       }
   MPI_Allreduce(&mine, &all, 1, MPI_LMP_BIGINT, MPI_SUM, world);
@@ -315,7 +315,7 @@ void CementReport::times(Cement& c, bigint points) {
   const CementTotals& now = totals_with_contacts(c);
   const std::string limited = limited_grain(lmp_, c);
   if (lmp_->comm->me != 0) return;
-  const char* names[] = {"scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"};
+  const char* names[] = {"scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"};  // in the order of s
   const double all = s.back(), cpu = s.end()[-2], point_steps = static_cast<double>(points) * static_cast<double>(steps);
   std::string text = text_of(who_, all, " s in ", steps, " steps, ", point_steps / std::max(all, 1e-9), " point steps per second, ",
                              point_steps / std::max(cpu, 1e-9), " by CPU time, ");

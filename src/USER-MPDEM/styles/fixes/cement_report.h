@@ -68,8 +68,8 @@ class CementReport {
   bigint steps_timed_ = 0;  // steps of all runs since the last set-up
   CementTotals totals_{};
   const std::vector<BondState>* bonds_ = nullptr;
-  bigint totals_at_ = -1, bonds_at_ = -1, loads_at_ = -1, unbalanced_at_ = -1;
-  std::unique_ptr<ContactForces> contacts_;  // made when first needed
+  bigint totals_at_ = -1, bonds_at_ = -1, loads_at_ = -1, unbalanced_at_ = -1;  // steps of what is cached; -1: nothing
+  std::unique_ptr<ContactForces> contacts_;                                     // made when first needed
   double unbalanced_ = 0.0;
   bool in_run_ = false;
 };

@@ -61,7 +61,7 @@ void FailureLog::add(const Bond& bond, const BondRecord& record, Failed what, lo
     e.grain = grain;
     events_.push_back(e);
   };
-  const std::vector<int>& gone = bond.debonded_with_points;
+  const std::vector<int>& gone = bond.debonded_with_points;  // links, ascending in the slot of their point
   for (int slot : what == Failed::points ? bond.failed : std::vector<int>()) {
     // of two links, that of the nearer grain counts
     double position[3];

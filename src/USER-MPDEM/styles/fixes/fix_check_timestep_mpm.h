@@ -32,9 +32,9 @@ class FixCheckTimestepMpm : public Fix {
   void check();
   class FixMpm* cement_ = nullptr;
   std::string cement_id_;
-  double fraction_ = 0.0;
+  double fraction_ = 0.0;  // share of the stable step above which it warns or stops
   bool stop_ = false;
-  double limit_ = 0.0, share_ = 0.0;
+  double limit_ = 0.0, share_ = 0.0;         // stable step at the last check, and the time step over it
   double of_grains_ = 0.0;                   // limit by grains on their bonds, found for scene_
   std::array<double, 3> scene_ = {0, 0, 0};  // number of bonds, number of sub-steps, checksum of the inertia of free grains
 };

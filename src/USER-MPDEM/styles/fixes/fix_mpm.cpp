@@ -306,7 +306,7 @@ void FixMpm::pre_exchange() {
   cement_->timer().start(mpdem::StepTimer::kLayout);
   atoms_.report_trouble();
   write_point_atoms();
-  remove_leaving((update->ntimestep - 1) % cement_->options().check_every == 0);
+  remove_leaving((update->ntimestep - 1) % cement_->options().check_every == 0);  // true in the step after a check
   // new points take the indices of ghosts; LIGGGHTS has already called the fix that saves the history of contacts,
   // which refers to these indices
   const std::vector<int> rows = cement_->rows_that_want_points();

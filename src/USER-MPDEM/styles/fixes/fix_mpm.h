@@ -89,7 +89,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   bool wants_points() const;
   double cell() const { return cement_->options().cell; }
   const mpdem::CementOptions& options() const { return cement_->options(); }
-  AtomVecMpdem* cement() const { return avec_; }
+  AtomVecMpdem* cement() const { return avec_; }  // the atom style, which has the bonds
   // Updates the slots of atoms and the strains of points. Slots are outdated while points change cells, strains while
   // bonds are condensed. Call it before either is read.
   void show_points();

@@ -28,10 +28,10 @@ using namespace FixConst;
 
 namespace {
 
-// Penalty of `kn auto`, over the largest stiffness. Links of this stiffness hardly soften a bond (test_stiffness.py).
+// `kn auto` and `kt auto`, over C33 of the cement. Links of this stiffness hardly soften a bond (test_stiffness.py).
 constexpr double kAutoOverC33 = 200.0;
-// Stiffness of contact points is at most this over one cell. Links are stiffer, since the stiffness of the bond depends
-// on them. Contact should need little added mass, so that impacts dissipate little energy
+// The stiffness of contact points is at most this times C33 over a cell. Links are stiffer, since the stiffness of the
+// bond depends on them. Contact should need little added mass, so that impacts dissipate little energy
 // (PenaltyParameters::max_contact_stiffness).
 constexpr double kContactOverC33 = 5.0;
 constexpr double kMostFriction = 100.0;  // with more, rounding of the pressure would be a force
@@ -157,7 +157,7 @@ void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
 
 // Stops if the stiffness turns the rounding of positions into a stress that matters next to those of the cement.
 void FixMpmCouple::check_rounding(const char* keyword, double given, double per_length) const {
-  constexpr double kMostStrain = 1e-6;
+  constexpr double kMostStrain = 1e-6;  // of cement under the stress of a rounding error
   double far = 0.0;
   for (int d = 0; d < 3; ++d) far = std::max({far, std::fabs(domain->boxlo[d]), std::fabs(domain->boxhi[d])});
   const double C33 = cement_->law().elasticity().C33, cell = cement_->cell(), length = 1.0 / per_length;

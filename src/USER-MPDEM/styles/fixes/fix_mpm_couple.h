@@ -75,7 +75,7 @@ class FixMpmCouple : public Fix {
   std::vector<std::string> said_;  // the same as text of the script, see keywords.h
   mpdem::TableFile table_;
   bool table_open_ = false, length_reported_ = false;
-  bigint table_last_ = -1;
+  bigint table_last_ = -1;  // step of the last rows
 };
 
 }  // namespace LAMMPS_NS

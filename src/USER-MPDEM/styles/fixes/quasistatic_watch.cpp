@@ -13,9 +13,9 @@
 namespace mpdem {
 
 namespace {
-constexpr double kCalm = 0.1;     // of the limit
-constexpr double kDamaged = 0.1;  // of the energy of the cement
-constexpr std::size_t kSharesKept = 3;
+constexpr double kCalm = 0.1;           // kinetic share over its limit, below which there is almost no motion
+constexpr double kDamaged = 0.1;        // energy that damage has dissipated, over that of the cement
+constexpr std::size_t kSharesKept = 3;  // checks whose median counts
 }  // namespace
 
 void QuasistaticWatch::start_run(Cement& c, bool any_failed) {

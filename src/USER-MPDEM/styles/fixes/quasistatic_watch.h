@@ -4,8 +4,8 @@
 // Warns, once, if failure of cement begins in a motion that is not quasi-static. The measure is the kinetic share of
 // the energy before the first points, columns or links fail, or before damage has dissipated a tenth of the energy of
 // the cement, which is where a single bond has its peak load. It is the median of the last checks, since softening
-// cement moves before it fails. Before that only the script causes motion. Later, failure itself causes bursts of
-// motion at any speed of loading. So new failures are judged only after the motion has died away.
+// cement moves before it fails. Up to the first failure only the script causes motion. Later, failure itself causes
+// bursts of motion at any speed of loading. So new failures are judged only after the motion has died away.
 #ifndef MPDEM_STYLES_FIXES_QUASISTATIC_WATCH_H
 #define MPDEM_STYLES_FIXES_QUASISTATIC_WATCH_H
 

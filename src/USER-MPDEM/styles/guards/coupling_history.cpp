@@ -26,7 +26,7 @@ std::string CouplingHistory::take(const std::string& id, const std::string& ceme
                    "would tear; keep one fix mpm/couple from the first step on, or create the cement anew in a new scene "
                    "(write_cement, create_cement ... file)");
   if (ran_.kind == LinkSettings::kLinks) {
-    constexpr double kAsPrinted = 1e-5;
+    constexpr double kAsPrinted = 1e-5;  // relative difference of a number that was copied from a message
     const auto differ = [](double a, double b) { return std::fabs(a - b) > kAsPrinted * b; };
     if (p.at_surface != ran_.at_surface)
       return text_of("'at ", p.at_surface ? "surface" : "points", "', but the steps before were made with 'at ",

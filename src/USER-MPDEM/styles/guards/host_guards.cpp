@@ -50,8 +50,8 @@ bool is(const Fix& fix, std::initializer_list<const char*> styles) {
 Found named(const Fix& fix) { return text_of("fix '", fix.id, "' (", fix.style, ")"); }
 Found group_of(View v, const Fix& fix) { return text_of("group '", v.lmp->group->names[fix.igroup], "'"); }
 bool has_cement(View v, const Fix& fix) { return &fix != v.mpm && (v.groups().some & fix.groupbit); }
-// Names cement whose points are in one of these groups (`in`), or in none of them: by its grains if the points are made
-// later.
+// Names cement whose points are made later, by its grains, and will be in one of these groups (`in`), or in none of them.
+// Returns else_what if there is none.
 std::string cement_in(View v, int groups, bool in, const std::string& else_what) {
   for (int row : v.cement->bonds.rows_without_points())
     if (((v.cement->bonds.template_of(row).head.mask & groups) != 0) == in) {
@@ -213,7 +213,7 @@ bool moves(const Fix& f) { return f.time_integrate != 0; }
 bool freezes(const Fix& f) { return is(f, {"freeze"}); }
 bool moves_by_forces(const Fix& f) { return moves(f) && !is(f, {"move", "nve/noforce"}); }
 
-// Reports the first of them; `how`: what it does to the grain.
+// Reports the first fix of fixes_on(). how: what it does to the grain.
 template <class Holds>
 Found acts(View v, int i, const char* how, Holds holds) {
   const std::vector<const Fix*> found = fixes_on(v, i, holds);
@@ -267,7 +267,7 @@ enum Over { kScene, kFixes, kAtoms, kGrains };  // once, or for each fix, atom o
 
 struct Guard {
   unsigned when;
-  const char *thing, *why, *cure;  // the message is WHAT WAS FOUND why; cure
+  const char *thing, *why, *cure;  // thing: for doc/refused_settings.md; the message is WHAT WAS FOUND why; cure
   Over over;
   Found (*found)(View, int);  // of the fix or atom of this index
   bool warns = false;

@@ -33,7 +33,7 @@ enum When : unsigned {
   kCoupling = 8,      // init of fix mpm/couple
   kSteps = 16,        // the same, of a run that takes steps
   kStart = 32,        // set-up of a run, or its first step without a set-up
-  kShown = 64,        // atoms of points were updated in that
+  kShown = 64,        // the same, after the atoms of points were updated
   kUnprepared = 128,  // first step of a run without a set-up
   kNoFix = 256,       // the same, where fix mpm may be gone
   kExchanged = 512,   // atoms went to other ranks

@@ -235,7 +235,7 @@ const std::vector<ScriptKeyword>& fix_mpm_keywords() {
 // phantom nodes.
 void choose_defaults(ScriptOptions& w) {
   CementOptions& o = w.options;
-  const auto may_say = [&](const char* words) {
+  const auto may_say = [&](const char* words) {  // does no other keyword exclude these words?
     std::vector<SceneOption> all = w.said;
     all.push_back({words});
     return exclusion_in(all).empty();

@@ -15,6 +15,7 @@
 
 namespace mpdem {
 
+// A law as the script chose it. make() takes what else its constructor needs: elasticity or TractionStiffness.
 template <class Entry>
 struct Choice {
   const Entry* entry;  // entry of a static list

@@ -113,7 +113,7 @@ std::string said_of(const std::vector<SceneOption>& scene, std::string values) {
   for (values += " | "; !values.empty(); values.erase(0, values.find(" | ") + 3)) {
     std::string value = values.substr(0, values.find(" | ")), other;
     const std::size_t with = value.find(" with "), without = value.find(" without ");
-    const std::size_t joint = std::min(with, without);
+    const std::size_t joint = std::min(with, without);  // end of the first option
     if (joint != std::string::npos) other = value.substr(value.find(' ', joint + 1) + 1), value.erase(joint);
     const std::string first = said(scene, value), second = other.empty() ? other : said(scene, other);
     if (first.empty() || (with != std::string::npos && second.empty()) || (without != std::string::npos && !second.empty())) continue;
