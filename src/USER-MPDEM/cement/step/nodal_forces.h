@@ -23,7 +23,7 @@ class NodalForces {
   NodalForces(Scene& scene, SharedNodes& shared, const AddedMasses& added, CondensedBonds& condensed, Cracks& cracks)
       : scene_(scene), shared_(shared), added_(added), condensed_(condensed), cracks_(cracks) {}
 
-  // Call before the pass over the points of all bonds. kick: time from the middle of the last step to that of this one.
+  // Call before the pass over the points of all bonds. kick: time over which the accelerations of these forces change velocities.
   void begin(double kick);
   // Call after that pass. Counts the energies that it dissipates and releases.
   void end_pass();
