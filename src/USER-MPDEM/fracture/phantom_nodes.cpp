@@ -43,6 +43,7 @@ void PhantomNodes::start() {
 }
 
 int PhantomNodes::continuation(const GridIndex& node, int first, int direction) const {
+  if (continuations_.empty()) return 0;
   const auto row = continuations_.find(node);
   if (row == continuations_.end()) return 0;
   for (const Continuation& t : row->second)

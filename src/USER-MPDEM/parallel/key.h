@@ -10,8 +10,10 @@
 #ifndef MPDEM_PARALLEL_KEY_H
 #define MPDEM_PARALLEL_KEY_H
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "agree.h"
 
@@ -69,6 +71,12 @@ class Key {
 };
 
 constexpr Key kNoNode;
+
+// Index of a key in an ascending list, -1 if it is not there.
+inline int index_of(const std::vector<Key>& ascending, const Key& k) {
+  const auto at = std::lower_bound(ascending.begin(), ascending.end(), k);
+  return at != ascending.end() && *at == k ? static_cast<int>(at - ascending.begin()) : -1;
+}
 
 }  // namespace mpdem
 
