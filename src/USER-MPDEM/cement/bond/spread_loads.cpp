@@ -74,10 +74,10 @@ void BondedGrains::spread_loads(int n) {
 }
 
 void BondedGrains::find_loads(int n) {
-  load_.resize(grains.size());
+  host_load_.resize(grains.size());
   for (std::size_t i = 0; i < grains.size(); ++i) {
     const GrainState& g = *grains[i].state;
-    for (int d = 0; d < 6; ++d) load_[i][d] = sudden_loads_[i][d] + (n == 1 ? grains[i].force[d] + g.late_load[d] : g.held()[d]);
+    for (int d = 0; d < 6; ++d) host_load_[i][d] = sudden_loads_[i][d] + (n == 1 ? grains[i].force[d] + g.late_load[d] : g.held()[d]);
   }
 }
 

@@ -224,7 +224,7 @@ bool CondensedBonds::matches_rigid_pieces(Bond& resolved, const BondRecord& reco
   for (int s = 0; s < 2; ++s) {
     const CondensedModel& model = models[s];
     const BondRecord piece = record_of_piece(record, s);
-    const auto both = loaded_ends_of_piece(ends[s]);
+    const auto both = both_ends_on(ends[s]);
     const CondensedMotion motion(model, piece, both.data());
     const CondensedMotion::Vector12 before = motion.velocity(both.data(), 0.0), after = motion.velocity(both.data(), dt_last);
     energy -= 0.5 * before.dot(model.M * after);

@@ -207,14 +207,14 @@ void CementMaker::check_other_grains(const Batch& batch, BondTrouble& trouble) c
 
 // Checks the numbers of bonds and of IDs, and finds points outside the box.
 void CementMaker::check_numbers(const Batch& batch, BondTrouble& trouble) const {
-  std::size_t bodies = table_.size();
+  std::size_t bonds = table_.size();
   double last = last_tag_;
   for (std::size_t k = 0; k < batch.records.size(); ++k) {
     if (!batch.kept[k]) continue;
     const std::size_t n = batch.from + k;
     const BondRecord& record = batch.records[k];
-    if (bodies++ == std::numeric_limits<int>::max())
-      trouble.tell(n, numbers, plan_.prefix(n) + text_of("there are ", bodies - 1, " bonds, which is the most"));
+    if (bonds++ == std::numeric_limits<int>::max())
+      trouble.tell(n, numbers, plan_.prefix(n) + text_of("there are ", bonds - 1, " bonds, which is the most"));
     if (!wish_.later) last += record.points;
     if (last > 2147483647.0)
       trouble.tell(n, numbers, plan_.prefix(n) + text_of(record.points, " points exceed the number of atom IDs; use a larger spacing"));

@@ -95,11 +95,11 @@ double kinetic_energy(const Grain& g) {
   return sum;
 }
 
-// See Report::EnergyShares. cement_load, of_grains: kinetic energy of the cement and of the grains. put_in: energy put
-// into the cement. Rounding, and work that the energy balance does not count, may make it smaller than cement_load.
-double kinetic_share_of(double cement_load, double of_grains, double put_in) {
-  const double all = of_grains + std::max(put_in, cement_load);
-  return all > 0.0 ? (of_grains + cement_load) / all : 0.0;
+// See Report::EnergyShares. of_cement, of_grains: kinetic energy of the cement and of the grains. put_in: energy put
+// into the cement. Rounding, and work that the energy balance does not count, may make it smaller than of_cement.
+double kinetic_share_of(double of_cement, double of_grains, double put_in) {
+  const double all = of_grains + std::max(put_in, of_cement);
+  return all > 0.0 ? (of_grains + of_cement) / all : 0.0;
 }
 
 void count_bonds(const Cracks& cracks, int resolved, CementTotals& t) {
@@ -374,8 +374,8 @@ double Report::cement_mass() const {
   double sum = 0.0;
   for (const Bond& bond : scene_.bonds())
     for (const PointStore* store : bond.stores())
-      for (const PointBlock& b : store->blocks) sum += scene_.inertia * sum_lanes(b.volume);
-  for (int row : condensed_.rows_without_points(scene_.bonds())) sum += scene_.inertia * scene_.bonds().table[row].volume;
+      for (const PointBlock& b : store->blocks) sum += scene_.scaled_density * sum_lanes(b.volume);
+  for (int row : condensed_.rows_without_points(scene_.bonds())) sum += scene_.scaled_density * scene_.bonds().table[row].volume;
   return sum;
 }
 

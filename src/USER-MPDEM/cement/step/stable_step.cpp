@@ -22,7 +22,7 @@ double StableStep::largest_mass_ratio() const {
   for (const Grain& g : scene_.grains.grains) cement.emplace(g.tag, 0.0);
   for (const BondRecord& b : scene_.bonds().table)
     for (int s = 0; s < 2; ++s)
-      if (const auto at = cement.find(b.grain[s]); b.has_grain(s) && at != cement.end()) at->second += scene_.inertia * b.volume;
+      if (const auto at = cement.find(b.grain[s]); b.has_grain(s) && at != cement.end()) at->second += scene_.scaled_density * b.volume;
   double mine = 0.0, most;
   for (const Grain& g : scene_.grains.grains) mine = std::max(mine, BondedGrains::mass_ratio(g, cement[g.tag]));
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
@@ -40,12 +40,12 @@ double StableStep::relative_damping_rate(double share) const {
 void StableStep::find_film() {
   const std::vector<StiffnessOfBond> found = stiffness_of_films(scene_);
   const double step = found.empty() ? std::numeric_limits<double>::infinity() : of_grains(found);
-  of_film_ = 4.0 / (step * step);
+  eigenvalue_of_films_ = 4.0 / (step * step);
 }
 
 // The largest eigenvalue of a sum is at most the sum of the largest eigenvalues.
-double StableStep::step_for(double cement_load, double relax) const {
-  const double eigenvalue = cement_load + of_film_;
+double StableStep::step_for(double eigenvalue, double relax) const {
+  eigenvalue += eigenvalue_of_films_;
   // Damping acts on the velocity half a step before, so stability requires w^2 dt^2 + 2 p dt <= B.
   const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.stability_limit();
   const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relative_damping_rate(relax);
@@ -109,7 +109,7 @@ double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
 
 EigenvalueEstimate StableStep::eigenvalue() const {
   const double bound = scene_.eigenvalue_bound();
-  return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr, Look::precise);
+  return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr, Precision::precise);
 }
 
 bool StableStep::bound_alone() const { return scene_.formulation->lasting_eigenvalue(scene_.eigenvalue_bound()) > 0.0; }
@@ -117,10 +117,10 @@ bool StableStep::bound_alone() const { return scene_.formulation->lasting_eigenv
 // A known eigenvalue is checked only as precisely as needed. The estimate plus its residual is on the safe side. Ranks
 // have patches of their own bonds alone, so an eigenvalue that is to be kept is found from whole bonds, and does not
 // depend on the number of ranks.
-EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Look look) const {
-  std::vector<EigenvalueSystem> systems = systems_of(rows, patches, look != Look::after_change);
+EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Precision precision) const {
+  std::vector<EigenvalueSystem> systems = systems_of(rows, patches, precision != Precision::after_change);
   for (double tolerance : {0.05, 0.01, kEigenvalueTolerance}) {
-    if (look == Look::precise || known_ == 0.0) break;
+    if (precision == Precision::precise || known_ == 0.0) break;
     if (tolerance == kEigenvalueTolerance)
       for (EigenvalueSystem& p : systems) p.blocks = nullptr;
     EigenvalueEstimate e = largest_eigenvalue(scene_.comm, systems, *scene_.law, tolerance);
@@ -157,14 +157,14 @@ double StableStep::find() {
 // The known eigenvalue is kept unless the new one is clearly larger. The added mass depends on it, and has a margin for
 // that. It must not depend on where a run is divided or restarted. It is found precisely, so that bonds along other axes
 // of the box, whose nodes have another order, have the same added mass.
-double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Look look) {
+double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Precision precision) {
   double mine = 1.0, ties;
   for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_constraint_factor());
   condensed_.for_each_template([&](const Bond& b) { mine = std::max(mine, b.grid.largest_constraint_factor()); });
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
   const double bound = ties * scene_.eigenvalue_bound();
   if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relax))) return bound;
-  const EigenvalueEstimate e = eigenvalue_of(rows, patches, look);
+  const EigenvalueEstimate e = eigenvalue_of(rows, patches, precision);
   if (e.value > kGrowth * known_) known_ = e.most;
   return e.most;
 }
@@ -176,7 +176,7 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
 bool StableStep::check_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
   if (known_ == 0.0) return false;
   const double known = known_,
-               limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches, Look::after_change), scene_.options.relax);
+               limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches, Precision::after_change), scene_.options.relax);
   if (scene_.now.dt > limit)
     throw BadState(text_of(exceeds(limit), " after ", event, " at step ", scene_.now.number, "; use 'timestep ",
                            0.9 * scene_.now.substeps * limit, "' or less, or a smaller share in 'timestep auto'"));

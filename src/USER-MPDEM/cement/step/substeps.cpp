@@ -90,7 +90,7 @@ void Substeps::move_grains() {
       g.state->path_offset[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - paths_[i].from[d]) : paths_[i].from[d] - g.x[d];
     }
   }
-  scene_.grains.turn(dt);
+  scene_.grains.rotate(dt);
 }
 
 void Substeps::kick_grains() {

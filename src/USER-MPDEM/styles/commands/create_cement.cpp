@@ -404,7 +404,7 @@ mpdem::TemplateHead CreateCement::head() const {
   return head;
 }
 
-std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
+std::vector<mpdem::FullPoint> CreateCement::full_points(int rows) {
   const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   const std::vector<BondRecord>& table = avec->bonds.table;
   std::vector<double> full;  // least volume of an uncut cell, by row
@@ -413,12 +413,12 @@ std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec->is_point(i)) continue;
     const int row = avec->bond[i];
-    if (row >= bodies) continue;
+    if (row >= rows) continue;
     const double width = mpdem::width_filled(avec->record_of(i), table[row].spacing, full[row]);
     if (width > 0.0) found.push_back({Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), row, width});
   }
   for (int row : avec->bonds.rows_without_points()) {
-    if (row >= bodies) break;
+    if (row >= rows) break;
     const BondRecord& record = table[row];
     const mpdem::Mat3<double> axes = mpdem::axes_of(record);
     for (const mpdem::TemplatePoint& p : avec->bonds.template_of(row).points) {

@@ -413,20 +413,21 @@ void CementReport::sum_of_modes(const Cement& c, int lines) const {
 }
 
 // Returns the smallest jump of velocity that is reported. The wave that it sends through the cement has a stress of 1 %
-// of the strength, or without damage a strain of 1e-6. watch_jumps() also ignores jumps that are a small share of the
+// of the strength, or without damage a strain of 1e-6. start_watch() also ignores jumps that are a small share of the
 // velocity.
 double CementReport::limit_of_jumps(const Cement& c) const {
   const Law& law = c.law();
   const VtiConstants& e = law.elasticity().constants;
-  const double speed = law.elasticity().fastest_wave(c.inertia());
+  const double speed = law.elasticity().fastest_wave(c.scaled_density());
   if (law.inert()) return 1e-6 * speed;
-  return 0.01 / (c.inertia() * speed) * std::min(law.implied_strength(e.Ez).tensile_strength, law.implied_strength(e.Ep).tensile_strength);
+  return 0.01 / (c.scaled_density() * speed) *
+         std::min(law.implied_strength(e.Ez).tensile_strength, law.implied_strength(e.Ep).tensile_strength);
 }
 
 void CementReport::start(Cement& c) {
   if (!c.penalty()) return;
   const BondedGrains::Start& s = c.grains().fastest_start();
-  const double wave = c.inertia() * c.law().elasticity().fastest_wave(c.inertia());
+  const double wave = c.scaled_density() * c.law().elasticity().fastest_wave(c.scaled_density());
   std::string text;
   if (s.speed > limit_of_jumps(c)) {
     const BondRecord& b = c.bonds().table[s.row];
@@ -442,10 +443,10 @@ void CementReport::start(Cement& c) {
 void CementReport::jump(Cement& c) {
   if (jump_reported_ || !c.penalty()) return;
   const BondedGrains::Jump& j = c.grains().worst_jump();
-  const double speed = c.law().elasticity().fastest_wave(c.inertia());
+  const double speed = c.law().elasticity().fastest_wave(c.scaled_density());
   const std::string text = j.tag == 0 ? ""
                                       : text_of("the prescribed velocity of bonded grain ", j.tag, " jumps by ", j.size, " in step ",
-                                                j.step, ", which sends a wave of stress ", c.inertia() * speed * j.size,
+                                                j.step, ", which sends a wave of stress ", c.scaled_density() * speed * j.size,
                                                 " through its cement; let it begin, change and "
                                                 "end smoothly, over many steps, as by 'fix move ... variable' with formulas");
   const std::string first = first_text(lmp_->world, text);
@@ -457,7 +458,7 @@ void CementReport::jump(Cement& c) {
 void CementReport::start_run(Cement& c) {
   in_run_ = true;
   jump_reported_ = false;
-  c.grains().watch_jumps(limit_of_jumps(c));
+  c.grains().start_watch(limit_of_jumps(c));
   forget();
 }
 

@@ -102,10 +102,10 @@ class RowScene : public CementMakerHost {
     return all;
   }
 
-  std::vector<FullPoint> full_points(int bodies) override {
+  std::vector<FullPoint> full_points(int rows) override {
     std::vector<FullPoint> full;
     for (const Point& p : points)
-      if (p.row < bodies && p.volume > 0.95 * std::pow(table[p.row].spacing, 3))
+      if (p.row < rows && p.volume > 0.95 * std::pow(table[p.row].spacing, 3))
         full.push_back({Vector3(p.x[0], p.x[1], p.x[2]), p.row, table[p.row].spacing});
     return full;
   }
