@@ -327,7 +327,7 @@ class RowOfGrains : public CementHost {
     o.split = row_.split;
     o.unilateral = row_.unilateral;
     o.condense = row_.condense;
-    o.relax = row_.relax;
+    o.relative_damping = row_.relax;
     o.length = row_.length;
     o.mass_order = row_.mass_order;
     o.advance.nonlocal = row_.length > 0.0;

@@ -195,7 +195,7 @@ void Film::force_on_face(const L& law, std::size_t b, const Rotations& turns, co
   vd r[2][3], g[3];
   Mat3<vd> F, dF;
   deform(b, turns, bond_ends, r, F);
-  F = keep(lanes(carrying(b)), F, p.F);
+  F = blend(lanes(carrying(b)), F, p.F);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) dF.a[i][j] = F.a[i][j] - p.F.a[i][j];
   Frame q = p.q;
@@ -348,7 +348,7 @@ void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* fac
       vd r[2][3];
       Mat3<vd> F, dF;
       deform(static_cast<std::size_t>(b), rotations_now, ends, r, F);
-      if (const std::uint8_t at_rest = m.failed | columns_[b].cut) F = keep(lanes(at_rest), p.F, F);
+      if (const std::uint8_t at_rest = m.failed | columns_[b].cut) F = blend(lanes(at_rest), p.F, F);
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) dF.a[i][j] = F.a[i][j] - p.F.a[i][j];
       const Sym3<vd> strain_start = p.strain;

@@ -50,7 +50,7 @@ std::vector<char> connected_grains_of_nodes(const PointStore& points, Grid& grid
   return bits;
 }
 
-std::vector<double> shares_of_second_grain(const Grid& grid, const BondRecord& record, const std::vector<char>& held) {
+std::vector<double> shares_of_second_grain(const Grid& grid, const BondRecord& record, const std::vector<char>& connected) {
   std::vector<double> share(grid.size());
   for (int i = 0; i < grid.size(); ++i) {
     double depth[2];
@@ -64,7 +64,8 @@ std::vector<double> shares_of_second_grain(const Grid& grid, const BondRecord& r
     }
     const double sum = depth[0] + depth[1];
     share[i] = sum > 0.0 ? depth[0] / sum : 0.5;
-    if (!held.empty() && held[i] != kConnectedToBoth) share[i] = held[i] - 1.0;  // 0: only grain 0, 1: only grain 1, -1: none
+    if (!connected.empty() && connected[i] != kConnectedToBoth)
+      share[i] = connected[i] - 1.0;  // 0: only grain 0, 1: only grain 1, -1: none
   }
   return share;
 }
@@ -74,9 +75,9 @@ RelativeDamping::RelativeDamping(const BondRecord& record, double critical_share
   for (int s = 0; s < 2; ++s) reach2_[s] = kReach * record.radius[s] * kReach * record.radius[s];
 }
 
-void RelativeDamping::follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) {
+void RelativeDamping::follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& connected) {
   eights_.clear();
-  const std::vector<double> share = shares_of_second_grain(grid, record, held);
+  const std::vector<double> share = shares_of_second_grain(grid, record, connected);
   std::vector<int> nodes;
   for (int i = 0; i < grid.size(); ++i)
     if (share[i] >= 0.0) nodes.push_back(i);

@@ -18,9 +18,9 @@ void subtract_from_grain(const double* r, const double* f, double scale, BondEnd
 
 }  // namespace
 
-void SharedImpulse::follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) {
+void SharedImpulse::follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& connected) {
   *this = SharedImpulse();
-  share_ = shares_of_second_grain(grid, record, held);
+  share_ = shares_of_second_grain(grid, record, connected);
 }
 
 // If nothing failed, the mass is bitwise that of the nodes.

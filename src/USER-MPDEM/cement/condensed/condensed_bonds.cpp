@@ -546,7 +546,7 @@ double CondensedBonds::largest_root(Bond& b, const BondRecord& record, int membe
   const double of_film = largest_root_of_drive(b.film.points, law, nullptr);
   if (!options.advance.nonlocal) return std::max(of_film, largest_root_of_drive(b.points, law, nullptr));
   DriveAverage average;  // temporary: a condensed bond keeps no lists for it
-  average.find(b.points, b.grid, law, sweeps_for(options.length, options.cell, options.basis), {&record, options.imperfection});
+  average.find(b.points, b.grid, law, smoothing_passes_for(options.length, options.cell, options.basis), {&record, options.imperfection});
   const double root = largest_root_of_drive(b.points, law, &b.grid);
   b.grid.drive_average.clear();
   return std::max(of_film, root);

@@ -155,7 +155,7 @@ int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r
   while (rho > kResidual * energy) {
     const double beta = before > 0.0 ? rho / before : 0.0;
     for (std::size_t i = 0; i < r.size(); ++i) p[i] = equations.preconditioned(i) * r[i] + beta * p[i];
-    equations.force(p, at_rest, minus_Kp, load);  // minus_Kp is the force on the nodes, -K p
+    equations.force(p, at_rest, minus_Kp, load);  // -K p is the force on the nodes
     for (std::size_t i = 0; i < r.size(); ++i) minus_Kp[i] -= equations.shift(i) * p[i];
     const double pKp = -equations.dot(p, minus_Kp);
     const int steps = static_cast<int>(taken.size()) + 1, window = std::max(kLeastSteps, steps / 4);

@@ -73,7 +73,7 @@ struct NodeSums {
 
 // Writes force, moment, and position of the grain from the origin of the bond coordinates, in the axes of the box.
 // of_other_substeps: share of the impulse of a step that acts in its other sub-steps.
-void tell(const BondEnd& s, double of_other_substeps, double* row) {
+void write_end(const BondEnd& s, double of_other_substeps, double* row) {
   const std::array<double, 6> load = in_box(s, s.force, s.torque), impulse = in_box(s, s.impulse, s.impulse + 3);
   const std::array<double, 3> x = turned(s.axes, s.x);
   for (int d = 0; d < 6; ++d) row[d] = load[d] - of_other_substeps * impulse[d];
@@ -281,16 +281,16 @@ const std::vector<BondState>& Report::bond_loads() {
   for (std::size_t i = 0; i < n; ++i) states_[i].peak = peak[i];
   if (!scene_.laid_out) return states_;
   const double of_other_substeps = 1.0 - 1.0 / scene_.now.substeps;
-  constexpr std::size_t kSide = 9, width = 2 * kSide;  // see tell()
+  constexpr std::size_t kSide = 9, width = 2 * kSide;  // see write_end()
   std::vector<double> sum(width * n, 0.0);
   for (const BondedGrains::OwnedEnd& o : scene_.grains.owned()) {
     if (!scene_.penalty) break;
     const BondEnd& s = scene_.grains.ends.ends[o.at];
-    tell(s, of_other_substeps, &sum[width * o.row + kSide * o.side]);
+    write_end(s, of_other_substeps, &sum[width * o.row + kSide * o.side]);
   }
   for (int bond_row : condensed_.owned_rows()) {
     const std::array<BondEnd, 2> ends = condensed_.loaded_ends(bond_row, scene_.bonds(), scene_.weight().data());
-    for (int s = 0; s < 2; ++s) tell(ends[s], of_other_substeps, &sum[width * bond_row + kSide * s]);
+    for (int s = 0; s < 2; ++s) write_end(ends[s], of_other_substeps, &sum[width * bond_row + kSide * s]);
   }
   global_sum(sum, scene_.comm);
   for (std::size_t i = 0; i < n; ++i) {

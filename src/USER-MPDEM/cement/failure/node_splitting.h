@@ -44,10 +44,10 @@ class NodeSplitting {
   virtual ~NodeSplitting() = default;
   virtual std::unique_ptr<NodeSplitting> copy() const { return std::make_unique<NodeSplitting>(*this); }
 
-  // Collective. Splits nodes at the start, in bonds that are new: those from row `first()` of the table on, and
+  // Collective. Splits nodes at the start, in bonds that are new: those from row `first_new()` of the table on, and
   // `with_new_points`, which had no points before. Points that failed in a file are left to find_splits().
   virtual NewLayersOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& with_new_points = {});
-  int first() const { return static_cast<int>(known_.size()); }
+  int first_new() const { return static_cast<int>(known_.size()); }
   // Collective. Splits nodes at points that failed since the last call, in resolved bonds, or else in bonds from row
   // `from` on.
   static constexpr int kResolved = -1;
@@ -111,7 +111,7 @@ class NodeSplitting {
   // node that is not split. Empty if the points' own volumes count at all nodes.
   std::vector<double> volumes(const std::vector<Key>& keys, const CementOptions& options) const;
   // Constraints of a grid with these nodes.
-  virtual std::vector<ExtensionConstraint> ties(const std::vector<Key>& keys) const;
+  virtual std::vector<ExtensionConstraint> constraints(const std::vector<Key>& keys) const;
 
  protected:
   void know_bonds(std::size_t bonds) { known_.resize(bonds); }

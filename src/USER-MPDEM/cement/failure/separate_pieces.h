@@ -19,7 +19,7 @@ class SeparatePieces : public NodeSplitting {
   void remove_volume(MPI_Comm, const Bonds&, const CementOptions&, const std::vector<int>&) override {}
   std::vector<Key> nodes_beside(const PointStore&, int, int) const override { return {}; }
   Key representative_of(const Key& node) const override { return node; }
-  std::vector<ExtensionConstraint> ties(const std::vector<Key>&) const override { return {}; }
+  std::vector<ExtensionConstraint> constraints(const std::vector<Key>&) const override { return {}; }
 
  protected:
   void find_lattices(MPI_Comm, const Bonds&, const CementOptions&, const std::vector<char>&) override {}

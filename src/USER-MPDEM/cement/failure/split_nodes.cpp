@@ -171,9 +171,9 @@ Key NodeSplitting::next(const Key& k, int direction) const {
 }
 
 // An edge constraint is void once its node, a master or a mass receiver has split. A copy then follows its representative.
-std::vector<ExtensionConstraint> NodeSplitting::ties(const std::vector<Key>& keys) const {
-  std::vector<ExtensionConstraint> ties;
-  ties.reserve(keys.size());
+std::vector<ExtensionConstraint> NodeSplitting::constraints(const std::vector<Key>& keys) const {
+  std::vector<ExtensionConstraint> constraints;
+  constraints.reserve(keys.size());
   for (const Key& k : keys) {
     ExtensionConstraint t;
     t.constrained = k;
@@ -197,9 +197,9 @@ std::vector<ExtensionConstraint> NodeSplitting::ties(const std::vector<Key>& key
       t.mass_receivers = t.behind = t.masters;
     }
     std::sort(t.masters.begin(), t.masters.end());
-    ties.push_back(std::move(t));
+    constraints.push_back(std::move(t));
   }
-  return ties;
+  return constraints;
 }
 
 std::vector<double> NodeSplitting::volumes(const std::vector<Key>& keys, const CementOptions& options) const {

@@ -80,7 +80,7 @@ class LayoutMaker {
     build(grids, true);
     if (finds_edges && ranks == 1) keep_edges(grids);
     std::vector<std::vector<ExtensionConstraint>> ties(layouts_.size());
-    for (std::size_t n = 0; n < ties.size(); ++n) ties[n] = splits.ties(grids[n].keys);
+    for (std::size_t n = 0; n < ties.size(); ++n) ties[n] = splits.constraints(grids[n].keys);
     const std::vector<char> any = constrained_anywhere(ties);
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
       BondLayout& l = layouts_[n];

@@ -148,9 +148,9 @@ void LayoutManager::sync_slots() {
 // In a separated bond, each node follows the grain to which it is connected.
 void LayoutManager::follow_grains(Bond& b) const {
   if (b.mechanisms.empty()) return;
-  const std::vector<char> held =
+  const std::vector<char> connected =
       discontinuities_.cracks.separated(b.row) ? connected_grains_of_nodes(b.points, b.grid) : std::vector<char>();
-  for (const auto& p : b.mechanisms) p->follow_grains(b.grid, scene_.bonds().record(b), held);
+  for (const auto& p : b.mechanisms) p->follow_grains(b.grid, scene_.bonds().record(b), connected);
 }
 
 void LayoutManager::start_anew(Bond& b) {

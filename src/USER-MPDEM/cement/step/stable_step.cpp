@@ -44,11 +44,11 @@ void StableStep::find_film() {
 }
 
 // The largest eigenvalue of a sum is at most the sum of the largest eigenvalues.
-double StableStep::step_for(double eigenvalue, double relax) const {
+double StableStep::step_for(double eigenvalue, double relative_damping) const {
   eigenvalue += eigenvalue_of_films_;
   // Damping acts on the velocity half a step before, so stability requires w^2 dt^2 + 2 p dt <= B.
   const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.stability_limit();
-  const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relative_damping_rate(relax);
+  const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relative_damping_rate(relative_damping);
   const double step = B / (p + std::sqrt(p * p + B * eigenvalue));
   if (!(step > 0.0))  // a step of zero would pass comparisons as if nothing limited it
     throw BadState(text_of("no time step is stable, the square of the highest frequency is ", eigenvalue, " with density ",
@@ -60,7 +60,7 @@ double StableStep::step_for(double eigenvalue, double relax) const {
 // The admitted damping shortens the step by a tenth. At that step, p of step_for() is (B - w^2 dt^2)/(2 dt). The rate
 // of damping in p is proportional to the damping.
 StableStep::DampedStep StableStep::damped_step(double eigenvalue) const {
-  DampedStep d{step_for(eigenvalue, scene_.options.relax), step_for(eigenvalue, 0.0), scene_.options.relax};
+  DampedStep d{step_for(eigenvalue, scene_.options.relative_damping), step_for(eigenvalue, 0.0), scene_.options.relative_damping};
   if (!d.is_short()) return d;
   const double B = scene_.stability_limit(), dt = DampedStep::kKept * d.undamped, damping = scene_.penalty ? scene_.penalty->damping : 0.0;
   const double p = (B - eigenvalue * dt * dt) / (2.0 * dt) - damping * std::sqrt(B * eigenvalue);
@@ -125,7 +125,7 @@ EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const
       for (EigenvalueSystem& p : systems) p.blocks = nullptr;
     EigenvalueEstimate e = largest_eigenvalue(scene_.comm, systems, *scene_.law, tolerance);
     e.most = e.value + e.residual;
-    if (e.most <= kGrowth * known_ && scene_.now.dt <= step_for(e.most, scene_.options.relax)) return e;
+    if (e.most <= kGrowth * known_ && scene_.now.dt <= step_for(e.most, scene_.options.relative_damping)) return e;
   }
   return largest_eigenvalue(scene_.comm, systems, *scene_.law, kPreciseEigenvalue);
 }
@@ -146,12 +146,12 @@ std::vector<EigenvalueSystem> StableStep::systems_of(const std::vector<int>& row
 double StableStep::estimate() const {
   constexpr double kTolerance = 0.02;
   const EigenvalueEstimate e = largest_eigenvalue(scene_.comm, systems_of(scene_.all_rows(), nullptr, true), *scene_.law, kTolerance);
-  return step_for(e.value + e.residual, scene_.options.relax);
+  return step_for(e.value + e.residual, scene_.options.relative_damping);
 }
 
 double StableStep::find() {
   const EigenvalueEstimate e = eigenvalue();
-  return step_for(e.most, scene_.options.relax);
+  return step_for(e.most, scene_.options.relative_damping);
 }
 
 // The known eigenvalue is kept unless the new one is clearly larger. The added mass depends on it, and has a margin for
@@ -163,7 +163,7 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
   condensed_.for_each_template([&](const Bond& b) { mine = std::max(mine, b.grid.largest_constraint_factor()); });
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
   const double bound = ties * scene_.eigenvalue_bound();
-  if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relax))) return bound;
+  if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relative_damping))) return bound;
   const EigenvalueEstimate e = eigenvalue_of(rows, patches, precision);
   if (e.value > kGrowth * known_) known_ = e.most;
   return e.most;
@@ -175,8 +175,8 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
 // are as short as a cell.
 bool StableStep::check_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
   if (known_ == 0.0) return false;
-  const double known = known_,
-               limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches, Precision::after_change), scene_.options.relax);
+  const double known = known_, limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches, Precision::after_change),
+                                                scene_.options.relative_damping);
   if (scene_.now.dt > limit)
     throw BadState(text_of(exceeds(limit), " after ", event, " at step ", scene_.now.number, "; use 'timestep ",
                            0.9 * scene_.now.substeps * limit, "' or less, or a smaller share in 'timestep auto'"));

@@ -32,9 +32,9 @@ class StableStep {
   bool bound_alone() const;
   // Largest stable step of the present state within some per cent, for messages. The known eigenvalue stays.
   double estimate() const;
-  // Largest stable step for a known eigenvalue, with the share `relax` of critical damping. The stiffness of films
+  // Largest stable step for a known eigenvalue, with the share `relative_damping` of critical damping. The stiffness of films
   // between the grains is included. Throws BadState if no step is stable.
-  double step_for(double eigenvalue, double relax) const;
+  double step_for(double eigenvalue, double relative_damping) const;
   // Returns the message that the step exceeds this limit.
   std::string exceeds(double limit) const;
   // Collective. Call before the others when bonds, grains or their free directions changed.

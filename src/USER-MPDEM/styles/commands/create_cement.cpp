@@ -435,7 +435,7 @@ bool CreateCement::place(const BondRecord& record, const mpdem::Mat3<double>& ax
   const std::array<double, 3> in_box = mpdem::position_in_box(record, axes, p.X.data());
   std::copy(in_box.begin(), in_box.end(), x);
   std::fill(image, image + 3, 0);
-  return box_.take_in(x, image);
+  return box_.wrap(x, image);
 }
 
 std::size_t CreateCement::create_points(const std::vector<NewBond>& bonds, bool more) {

@@ -27,7 +27,7 @@ void AutoStep::set(Cement& c, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fi
   if (share_ == 0.0 && o.subcycle > 0) return;
   c.stable_step().find_film();
   const EigenvalueEstimate e = c.eigenvalue_of_new_layout();
-  const double limit = longest_step(c, c.stable_step().step_for(e.most, o.relax));
+  const double limit = longest_step(c, c.stable_step().step_for(e.most, o.relative_damping));
   if (share_ > 0.0) {
     warn_of_splitting(o);
     set_step(limit, e, running, own);

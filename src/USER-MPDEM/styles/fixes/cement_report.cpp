@@ -83,7 +83,7 @@ const std::vector<BondState>& CementReport::loads(Cement& c) {
 namespace {
 // Returns the text with mass scaling or relative damping, else nothing.
 std::string if_quasistatic(const CementOptions& o, const std::string& text) {
-  if (o.mass_scale > 1.0 || o.relax > 0.0) return text;
+  if (o.mass_scale > 1.0 || o.relative_damping > 0.0) return text;
   return {};
 }
 
@@ -125,7 +125,7 @@ void CementReport::parameters(Cement& c, bigint points) {
                       word_of(o.unilateral, "", ", and faces of cracks through each other"),
                       "; 'friction' of fix mpm/couple makes them touch", word_of(o.condense, ", with 'condense no'", ""), "\n");
     text += if_quasistatic(
-        o, text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n"));
+        o, text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relative_damping, " of critical\n"));
     text +=
         text_of("  time step ", c.dt(), c.substeps() > 1 ? text_of(" of the cement, ", c.substeps(), " in one of ", lmp_->update->dt) : "",
                 ", stable up to ", word_of(exact, "", bound ? "at least " : "about "), told, "\n");
@@ -191,9 +191,9 @@ void CementReport::damping(Cement& c) {
   const double ratio = c.stable_step().largest_mass_ratio();
   const std::string is_free =
       ratio == 0.0 ? "" : text_of(", since the cement of a free grain has up to ", ratio, " times the inertia of the grain against it");
-  const std::string text =
-      text_of("the damping of 'quasistatic ", o.mass_scale, " ", o.relax, "' shortens the stable step from ", damped.undamped, " to ",
-              damped.step, is_free, "; use 'quasistatic ", o.mass_scale, " ", damped.admitted, "' or less, which leaves 0.9 of the step");
+  const std::string text = text_of("the damping of 'quasistatic ", o.mass_scale, " ", o.relative_damping,
+                                   "' shortens the stable step from ", damped.undamped, " to ", damped.step, is_free, "; use 'quasistatic ",
+                                   o.mass_scale, " ", damped.admitted, "' or less, which leaves 0.9 of the step");
   if (c.dt() > kRoundingOfSteps * damped.step)
     stop_all(lmp_,
              who_ + text_of(c.stable_step().exceeds(damped.step), ": ", text, ", or 'timestep ", 0.9 * c.substeps() * damped.step, "'"));
