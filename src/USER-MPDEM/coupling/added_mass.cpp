@@ -53,7 +53,7 @@ void AddedMass::keep(const std::vector<Share>& shares, const Grid& grid) {
   }
   nodes_ = std::move(nodes);
   std::vector<std::array<int, 2>> without;
-  const std::vector<int> tie = grid.ties.row_of_each(grid.size());
+  const std::vector<int> tie = grid.constraints.row_of_each(grid.size());
   for (int i = 0; i < grid.size(); ++i) {
     if (tie[i] >= 0 || mass_[i] > 0.0) continue;
     if (without.empty() || without.back()[1] != i) without.push_back({i, i});
@@ -164,7 +164,7 @@ AddedMass::Followed AddedMass::follow_jumps(Grid& grid, BondEnd* ends, double ra
       add_to_grain(r[n], relative, grain_rate * a.mass[n], ends[n].jump_force, ends[n].jump_force + 3);
     }
   });
-  grid.ties.extend(grid.acceleration.data());
+  grid.constraints.extend(grid.acceleration.data());
   return power;
 }
 
@@ -218,7 +218,7 @@ double AddedMass::add_to_nodes(const std::vector<Share>& before, Grid& grid, Bon
     }
   });
   if (!any) return 0.0;
-  grid.ties.extend(change.data());
+  grid.constraints.extend(change.data());
   for (std::size_t i = 0; i < change.size(); ++i) grid.velocity[i] += change[i];
   return lost;
 }

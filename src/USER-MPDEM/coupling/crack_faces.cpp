@@ -20,14 +20,14 @@ double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] 
 }  // namespace
 
 CrackFaces::CrackFaces(const PointStore& points, const Grid& grid, const KeyOf& at_start, double friction) : friction_(friction) {
-  const std::vector<int> tie = grid.ties.row_of_each(grid.size());
+  const std::vector<int> tie = grid.constraints.row_of_each(grid.size());
   find_pairs(grid, at_start, tie);
   if (pairs_.empty()) return;
   std::vector<char> paired(grid.size(), 0);
   for (const Pair& p : pairs_) paired[p.node[0]] = paired[p.node[1]] = 1;
   // Constrained nodes add to their masters, which may be nodes of pairs.
   for (int i = 0; i < grid.size(); ++i)
-    if (tie[i] >= 0) grid.ties.for_each_master(tie[i], [&](int master, double) { paired[i] = paired[i] || paired[master]; });
+    if (tie[i] >= 0) grid.constraints.for_each_master(tie[i], [&](int master, double) { paired[i] = paired[i] || paired[master]; });
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const BlockMeta& m = points.meta[b];
     if (m.failed == m.occupied) continue;
@@ -82,8 +82,8 @@ void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
       });
     }
   });
-  grid.ties.gather_to_masters(gradient_.data());
-  grid.ties.gather_scalars_to_masters(volume_.data());
+  grid.constraints.gather_to_masters(gradient_.data());
+  grid.constraints.gather_scalars_to_masters(volume_.data());
   grid.halo.sum(gradient_.data(), 3);
   grid.halo.sum(volume_.data(), 1);
 }

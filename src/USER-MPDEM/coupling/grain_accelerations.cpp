@@ -114,7 +114,7 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
     for (int k = 0; k < kSym6; ++k) D[k] = condensed.mass(static_cast<int>(g), k);
     Matrix6 W = Matrix6::Zero();
     for (int i = 0; fresh && i < 6; ++i)
-      for (int j = 0; j < 6; ++j) W(i, j) = condensed.coupling() * D[lower_triangle(i, j)];
+      for (int j = 0; j < 6; ++j) W(i, j) = condensed.inertial_coupling() * D[lower_triangle(i, j)];
     Vector6 sum = load[g];
     for (int i = 0; i < 6; ++i) {
       D[lower_triangle(i, i)] += i < 3 ? grain.mass : grain.inertia;

@@ -19,12 +19,12 @@ double RelativeDamping::rate(double thickness, double critical_share, double she
 }
 
 std::vector<char> connected_grains_of_nodes(const PointStore& points, Grid& grid) {
-  const std::vector<int> row = grid.ties.row_of_each(grid.size());
+  const std::vector<int> row = grid.constraints.row_of_each(grid.size());
   // A copy that is constrained to a single node moves with it.
   const auto that_moves = [&](int i) {
     int masters = 0, master = i;
     if (row[i] >= 0)
-      grid.ties.for_each_master(row[i], [&](int node, double) {
+      grid.constraints.for_each_master(row[i], [&](int node, double) {
         ++masters;
         master = node;
       });

@@ -30,7 +30,7 @@ void SharedImpulse::find_intact_mass(const PointStore& points, const Grid& grid,
     here_.clear();
     if (some_failed || grid.halo.shares_any()) {
       here_ = grid.local_mass(points, density, true);
-      grid.ties.add_to_mass_receivers(here_.data(), 1);
+      grid.constraints.add_to_mass_receivers(here_.data(), 1);
     }
     stale_ = false;
   }

@@ -68,7 +68,7 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, c
           },
           sum_.data());
   });
-  grid.ties.add_to_mass_receivers(sum_.data(), 1);
+  grid.constraints.add_to_mass_receivers(sum_.data(), 1);
   mean_.assign(sum_.size(), 0.0);
   return anew;
 }
@@ -76,7 +76,7 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, c
 void DriveAverage::find_volumes(const Grid& grid) {
   volume_.assign(grid.size() + ScalarSums::kRoom, 0.0);
   of_points_.add_volumes(volume_.data());
-  grid.ties.add_to_mass_receivers(volume_.data(), 1);
+  grid.constraints.add_to_mass_receivers(volume_.data(), 1);
   volume_is_new_ = true;
 }
 
@@ -89,14 +89,14 @@ void DriveAverage::smooth(Grid& grid, const SmoothingPasses& passes, int k) {
   }
   const double weight = passes.weight(k);
   for (std::size_t i = 0; i < nodes; ++i) mean_[i] = (1.0 - weight) * mean_[i] + weight * sum_[i] * inverse_volume_[i];
-  grid.ties.mean_of_mass_receivers(mean_.data(), 1);
+  grid.constraints.mean_of_mass_receivers(mean_.data(), 1);
   if (passes.is_last(k)) {
     grid.drive_average.assign(mean_.begin(), mean_.begin() + nodes);
     return;
   }
   std::fill(sum_.begin(), sum_.end(), 0.0);
   of_points_.add_means(mean_.data(), sum_.data());
-  grid.ties.add_to_mass_receivers(sum_.data(), 1);
+  grid.constraints.add_to_mass_receivers(sum_.data(), 1);
 }
 
 double DriveAverage::largest(const PointStore& points, const Grid& grid) {

@@ -92,7 +92,7 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
     s.ends.clear_forces();
     for (Bond& b : s.bonds)
       for (std::size_t i = 0; i < b.grid.force.size(); ++i)
-        b.grid.force[i] = b.grid.ties.row(static_cast<int>(i / 3)) < 0 ? s.random.uniform(-1, 1) : 0.0;
+        b.grid.force[i] = b.grid.constraints.row(static_cast<int>(i / 3)) < 0 ? s.random.uniform(-1, 1) : 0.0;
     const std::vector<std::vector<double>> force = s.forces();
     const std::vector<BondEnd> before = s.ends.ends;
     CondensedPack none;
@@ -183,7 +183,7 @@ Eigen::MatrixXd stiffness(Scene& s, const std::vector<Grain>& grains, const Unkn
     if (j < u.first) {
       Grid& grid = s.bonds[u.nodes[j / 3].bond].grid;
       grid.displacement[3 * u.nodes[j / 3].node + j % 3] = by;
-      grid.ties.extend(grid.displacement.data());
+      grid.constraints.extend(grid.displacement.data());
     } else {
       const Vector direction = by * Vector::Unit((j - u.first) % 3);
       for (int side : grains[(j - u.first) / 6].ends) {

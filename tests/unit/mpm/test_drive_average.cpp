@@ -113,8 +113,8 @@ TEST(DriveAverage, KeepsConstantsAndTheSumWithTiedNodes) {
   test::Random random(304);
   Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6);
   c.grid.lump_mass(c.points, test::kCalcite);
-  c.grid.tie(find_extension_constraints(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
-  ASSERT_GT(c.grid.ties.size(), 10u);
+  c.grid.constrain(find_extension_constraints(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
+  ASSERT_GT(c.grid.constraints.size(), 10u);
   set_roots(c, [](int, int) { return 3.0; });
   average(c, smoothing_passes_for(1.7 * kCell, kCell, Basis::quadratic));
   test::Worst worst;
@@ -206,8 +206,8 @@ TEST(DriveAverage, WeightsThatStand) {
     if (state == std::string("some failed")) fail(c, 6);
     if (state == std::string("nodes tied")) {
       c.grid.lump_mass(c.points, test::kCalcite);
-      c.grid.tie(find_extension_constraints(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
-      ASSERT_GT(c.grid.ties.size(), 10u);
+      c.grid.constrain(find_extension_constraints(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
+      ASSERT_GT(c.grid.constraints.size(), 10u);
     }
     kept.find(c.points, c.grid, kLaw, passes, imperfection);
     const std::vector<double> of_kept = c.grid.drive_average;

@@ -54,10 +54,11 @@ std::size_t hash_of_run(const PenaltyParameters& links, double scaled_density) {
 // Nodes may have almost no stiffness beside failed points and at edges without constrained nodes. Such a bond has to
 // converge soon, or it stays resolved. A bond that was condensed before has the full number of steps.
 struct LooseNodes {
-  int failed = 0, ties = 0;
-  explicit LooseNodes(const Bond* b) : failed(b && b->points.any_failed()), ties(b ? static_cast<int>(b->grid.ties.size()) : 0) {}
+  int failed = 0, constraints = 0;
+  explicit LooseNodes(const Bond* b)
+      : failed(b && b->points.any_failed()), constraints(b ? static_cast<int>(b->grid.constraints.size()) : 0) {}
   int most_steps(const BondRecord& record) const {
-    return !record.in_motion && (failed || ties == 0) ? kMostStepsOfCandidate : kMostStaticSteps;
+    return !record.in_motion && (failed || constraints == 0) ? kMostStepsOfCandidate : kMostStaticSteps;
   }
 };
 
@@ -67,7 +68,7 @@ void complete(MPI_Comm comm, CondensedModel& model) {
     MPI_Allreduce(MPI_IN_PLACE, model.M.data(), 144, MPI_DOUBLE, MPI_SUM, comm);
     MPI_Allreduce(MPI_IN_PLACE, model.N.data(), 108, MPI_DOUBLE, MPI_SUM, comm);
   }
-  model.find_coupling();
+  model.find_inertial_coupling();
 }
 
 }  // namespace
@@ -144,7 +145,7 @@ bool CondensedBonds::solve_shared(MPI_Comm comm, Bonds& bonds, int row, const La
     s = of_pieces(comm, b, record, law);
   } else {
     LooseNodes loose(b);
-    for (int* of_any : {&loose.failed, &loose.ties}) MPI_Allreduce(MPI_IN_PLACE, of_any, 1, MPI_INT, MPI_MAX, comm);
+    for (int* of_any : {&loose.failed, &loose.constraints}) MPI_Allreduce(MPI_IN_PLACE, of_any, 1, MPI_INT, MPI_MAX, comm);
     try {
       s = solved(comm, b, record, law, loose.most_steps(record));
     } catch (const BadState&) {
@@ -450,7 +451,8 @@ std::array<BondEnd, 2> CondensedBonds::loaded_ends_of_member(std::size_t member,
   const BondRecord& record = record_of(member, bonds, piece);
   auto ends = pack_.ends(static_cast<int>(member), record);
   const CondensedModel& model = model_of(member);
-  const GrainLoads loads = CondensedMotion(model, record, ends.data()).all(model, ends.data(), turned_back(ends[0].axes, gravity).data());
+  const GrainLoads loads =
+      CondensedMotion(model, record, ends.data()).all_loads(model, ends.data(), turned_back(ends[0].axes, gravity).data());
   for (BondEnd& s : ends) s.row = members_[member].row;
   loads.add_to(ends.data());
   return ends;
@@ -514,7 +516,7 @@ double CondensedBonds::work_of_commands(const Bonds& bonds, double dt_last) cons
     const auto ends = pack_.ends(static_cast<int>(member), record);
     const CondensedModel& model = model_of(member);
     const CondensedMotion motion(model, record, ends.data());
-    const CondensedMotion::Vector12 change = motion.of_ends(ends[0].jump, ends[1].jump);
+    const CondensedMotion::Vector12 change = motion.to_q(ends[0].jump, ends[1].jump);
     work += (motion.velocity(ends.data(), dt_last) + 0.5 * change).dot(model.M * change);
   }
   return work;

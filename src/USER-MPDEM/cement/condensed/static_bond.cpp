@@ -69,10 +69,10 @@ class Equations {
     if (!system_) return;
     Grid& grid = system_->grid;
     std::fill(out.begin(), out.end(), 0.0);
-    grid.ties.extend(x.data());
+    grid.constraints.extend(x.data());
     add_stiffness_force(system_->points, grid, system_->law, x.data(), out.data());
     system_->links.add_small_force(secants_, x.data(), motion, out.data(), load);
-    grid.ties.gather_to_masters(out.data());
+    grid.constraints.gather_to_masters(out.data());
     grid.halo.sum(out.data(), 3);
   }
 
@@ -109,7 +109,7 @@ class Equations {
 
  private:
   bool counts(std::size_t node) const { return system_->grid.halo.counts_here()[node]; }
-  bool moves(std::size_t node) const { return system_->grid.ties.row(static_cast<int>(node)) < 0 && system_->grid.mass[node] > 0.0; }
+  bool moves(std::size_t node) const { return system_->grid.constraints.row(static_cast<int>(node)) < 0 && system_->grid.mass[node] > 0.0; }
   MPI_Comm comm_;
   const StaticSystem* system_;
   std::vector<PenaltyLinks::Secant> secants_;
@@ -241,7 +241,7 @@ std::vector<double> static_displacement(MPI_Comm comm, const StaticSystem* syste
   Equations equations(comm, system, kShift);
   std::vector<double> x(force.size(), 0.0);
   iterate(equations, x, force, equations.squared_norm(force), kDecline, kMostStepsOfForce);
-  if (system) system->grid.ties.extend(x.data());
+  if (system) system->grid.constraints.extend(x.data());
   return x;
 }
 

@@ -62,8 +62,8 @@ std::vector<Key> NodeSplitting::nodes_beside(const PointStore& points, int bond_
   // The constraint of a node that has split since is void, and is stored only on ranks that found it before.
   for (const ExtensionConstraint& t : row(bond_row).edges) {
     if (present_representative(t.constrained) == kNoNode) continue;
-    for (const auto* of_tie : {&t.masters, &t.mass_receivers})
-      for (const auto& m : *of_tie) nodes.push_back(present_representative(m.first));
+    for (const auto* of_constraint : {&t.masters, &t.mass_receivers})
+      for (const auto& m : *of_constraint) nodes.push_back(present_representative(m.first));
   }
   sort_unique(nodes);
   if (!nodes.empty() && nodes.front() == kNoNode) nodes.erase(nodes.begin());
@@ -108,8 +108,8 @@ std::vector<Key> NodeSplitting::representatives_at(int bond_row, const std::vect
 
 void NodeSplitting::find_dependents(Row& row) const {
   for (std::size_t n = 0; n < row.edges.size(); ++n)
-    for (const auto* of_tie : {&row.edges[n].masters, &row.edges[n].mass_receivers})
-      for (const auto& m : *of_tie) row.dependents.emplace_back(m.first, static_cast<int>(n));
+    for (const auto* of_constraint : {&row.edges[n].masters, &row.edges[n].mass_receivers})
+      for (const auto& m : *of_constraint) row.dependents.emplace_back(m.first, static_cast<int>(n));
   sort_unique(row.dependents);
 }
 

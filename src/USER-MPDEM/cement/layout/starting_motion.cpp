@@ -69,7 +69,7 @@ void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
         });
       }
     });
-    grid.ties.add_to_mass_receivers(momentum.data(), 3);
+    grid.constraints.add_to_mass_receivers(momentum.data(), 3);
     grid.halo.sum(momentum.data(), 3);
     const std::vector<char>& is_fresh = *n.fresh;
     for (int i = 0; i < grid.size(); ++i) {
@@ -83,7 +83,7 @@ void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
     }
     // Only fresh nodes: for the others the extrapolation would change nothing but rounding.
     std::vector<double> extended(grid.velocity);
-    grid.ties.extend(extended.data());
+    grid.constraints.extend(extended.data());
     for (std::size_t i = 0; i < extended.size(); ++i)
       if (is_fresh[i / 3]) grid.velocity[i] = extended[i];
     scene.formulation->start(*n.bond);

@@ -73,7 +73,7 @@ void NodalForces::add_forces(Bond& b) {
 }
 
 void NodalForces::end_forces(Bond& b) {
-  b.grid.ties.gather_to_masters(b.grid.force.data());
+  b.grid.constraints.gather_to_masters(b.grid.force.data());
   if (!b.cut_by_ranks()) complete(b);
 }
 

@@ -158,11 +158,11 @@ double StableStep::find() {
 // that. It must not depend on where a run is divided or restarted. It is found precisely, so that bonds along other axes
 // of the box, whose nodes have another order, have the same added mass.
 double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Precision precision) {
-  double mine = 1.0, ties;
+  double mine = 1.0, constraint_factor;
   for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_constraint_factor());
   condensed_.for_each_template([&](const Bond& b) { mine = std::max(mine, b.grid.largest_constraint_factor()); });
-  MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
-  const double bound = ties * scene_.eigenvalue_bound();
+  MPI_Allreduce(&mine, &constraint_factor, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
+  const double bound = constraint_factor * scene_.eigenvalue_bound();
   if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relative_damping))) return bound;
   const EigenvalueEstimate e = eigenvalue_of(rows, patches, precision);
   if (e.value > kGrowth * known_) known_ = e.most;
