@@ -136,13 +136,13 @@ void CrackFaces::add_pair_force(Pair& p, Grid& grid, const double* mass, double 
   }
   ++touching_;
   largest_penetration_ = std::max(largest_penetration_, -wn);
-  const double together = 1.0 / (kick * (1.0 / mass[0] + 1.0 / mass[1]));  // force that changes v by 1
+  const double reduced_mass_over_kick = 1.0 / (kick * (1.0 / mass[0] + 1.0 / mass[1]));  // force that changes v by 1
   // An overlap, where the normal rotated, is undone no faster than the faces close; otherwise it would supply energy.
   const double after = std::min(-wn / dt, -vn);
-  const double normal = (after - vn) * together, stop = std::sqrt(dot(slip, slip)) * together;
+  const double normal = (after - vn) * reduced_mass_over_kick, stop = std::sqrt(dot(slip, slip)) * reduced_mass_over_kick;
   const double share = stop > friction_ * normal ? friction_ * normal / stop : 1.0;
   for (int d = 0; d < 3; ++d) {
-    p.force[d] = normal * n[d] - share * together * slip[d];
+    p.force[d] = normal * n[d] - share * reduced_mass_over_kick * slip[d];
     grid.force[a + d] -= p.force[d];
     grid.force[b + d] += p.force[d];
   }

@@ -83,7 +83,7 @@ void RelativeDamping::follow_grains(const Grid& grid, const BondRecord& record, 
     if (share[i] >= 0.0) nodes.push_back(i);
   for (std::size_t n = 0; n < nodes.size(); n += kLanes) {
     const EightNodes e(grid, &nodes[n], static_cast<int>(std::min<std::size_t>(kLanes, nodes.size() - n)));
-    eights_.push_back({e, e.one_of(share.data())});
+    eights_.push_back({e, e.take_scalar(share.data())});
   }
 }
 
@@ -92,7 +92,7 @@ RelativeDamping::Moving RelativeDamping::move(const Eight& e, const Grid& grid, 
   vd x[3];
   e.nodes.find_places(grid, x);
   e.nodes.take(grid.velocity.data(), m.v);
-  m.scale = rate_ * e.nodes.one_of(grid.mass.data());
+  m.scale = rate_ * e.nodes.take_scalar(grid.mass.data());
   for (int s = 0; s < 2; ++s) {
     m.share[s] = s == 0 ? 1.0 - e.share : e.share;
     for (int d = 0; d < 3; ++d) m.r[s][d] = x[d] - ends[s].x[d];

@@ -58,7 +58,7 @@ void SharedImpulse::add_moments(const Grid& grid, const BondEnd* ends, EndMoment
 void SharedImpulse::apply_impulse(Grid& grid, BondEnd* ends, const AddedMass& added) {
   const std::vector<char>& counts = grid.halo.counts_here();
   force_.assign(3 * grid.size(), 0.0);
-  const std::vector<AddedMass::Share> shares = added.shares();
+  const std::vector<AddedMass::OfNode> shares = added.shares();
   auto extra = shares.begin();
   for (int i = 0; i < grid.size(); ++i) {
     while (extra != shares.end() && extra->node < i) ++extra;

@@ -169,13 +169,13 @@ TEST_P(AddedMassOfLinks, SharesAreByStiffness) {
   for (const Bond& b : s.bonds) {
     const std::vector<double> k = s.row_sums(b);
     const SharedList<double>& mass = b.added.of_nodes();
-    const std::vector<AddedMass::Share> shares = b.added.shares();
+    const std::vector<AddedMass::OfNode> shares = b.added.shares();
     std::size_t at = 0;
     test::Worst worst;
     for (int n = 0; n < b.grid.size(); ++n) {
       if (mass[n] == 0.0) continue;
       ASSERT_LT(at, shares.size());
-      const AddedMass::Share& a = shares[at++];
+      const AddedMass::OfNode& a = shares[at++];
       EXPECT_EQ(a.node, n);
       for (int side = 0; side < 2; ++side) worst.add(std::fabs(a.mass[side] - mass[n] * k[2 * n + side] / row_sum(k, n)) / mass[n]);
     }
@@ -428,20 +428,20 @@ TEST_P(AddedMassOfLinks, TakesUpMassWithoutGainOfEnergy) {
     Grid& grid = b.grid;
     std::fill(grid.acceleration.begin(), grid.acceleration.end(), 0.0);
     grid.constraints.extend(grid.velocity.data());
-    std::vector<AddedMass::Share> before = b.added.shares();
-    const std::vector<AddedMass::Share> now = before;
+    std::vector<AddedMass::OfNode> before = b.added.shares();
+    const std::vector<AddedMass::OfNode> now = before;
     const auto ends_of = [&](std::size_t n) { return now[n].mass[0] > 0.0 ? 0 : 1; };  // the end whose mass changes
     for (std::size_t n = 0; n < now.size(); ++n) before[n].mass[ends_of(n)] *= n % 3 == 0 ? 0.0 : n % 3 == 1 ? 0.3 : 2.0;
     const std::vector<double> first = grid.velocity;
-    std::vector<AddedMass::Share> listed;
+    std::vector<AddedMass::OfNode> listed;
     std::copy_if(before.begin(), before.end(), std::back_inserter(listed),
-                 [](const AddedMass::Share& a) { return a.mass[0] + a.mass[1] > 0.0; });
+                 [](const AddedMass::OfNode& a) { return a.mass[0] + a.mass[1] > 0.0; });
     const auto grains_go_on = [&](double time) {
       for (int n = 0; n < 2; ++n)
         for (int d = 0; d < 3; ++d) s.ends_of(b)[n].x[d] += time * s.ends_of(b)[n].v[d];
     };
     grains_go_on(1.0);
-    lost += b.added.add_to_nodes(listed, grid, s.ends_of(b), 0.0, 1.0);
+    lost += b.added.slow_nodes(listed, grid, s.ends_of(b), 0.0, 1.0);
     grains_go_on(-1.0);
     for (std::size_t n = 0; n < now.size(); ++n) {
       const int node = now[n].node, side = ends_of(n);

@@ -69,7 +69,7 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
   prepare(s);
   int of_both = 0;
   for (const Bond& b : s.bonds)
-    for (const AddedMass::Share& a : b.added.shares()) of_both += a.mass[0] > 0.0 && a.mass[1] > 0.0;
+    for (const AddedMass::OfNode& a : b.added.shares()) of_both += a.mass[0] > 0.0 && a.mass[1] > 0.0;
   EXPECT_GT(of_both, 5);
   for (int turn = 0; turn < 4; ++turn) {
     // all free, then some prescribed, which all ends at a grain get
@@ -100,7 +100,7 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
     test::Worst node, grain;
     for (Bond& b : s.bonds) {
       b.added.accelerate(b.grid, s.ends_of(b));
-      for (const AddedMass::Share& m : b.added.shares()) {
+      for (const AddedMass::OfNode& m : b.added.shares()) {
         Vector rest(&force[b.row][3 * m.node]);
         const Vector a(&b.grid.acceleration[3 * m.node]);
         rest -= b.grid.mass[m.node] * a;
@@ -208,7 +208,7 @@ Eigen::MatrixXd mass_matrix(const Scene& s, const std::vector<Grain>& grains, co
     M.diagonal().segment<3>(u.first + 6 * g + 3).setConstant(grains[g].inertia);
   }
   for (const Bond& b : s.bonds)
-    for (const AddedMass::Share& a : b.added.shares())
+    for (const AddedMass::OfNode& a : b.added.shares())
       for (int side = 0; side < 2; ++side) {
         const Vector r = s.node(b.grid, a.node) - Vector(s.ends_of(b)[side].x);
         const int part[2] = {u.at[b.row][a.node], u.first + 6 * u.grain_of[b.first_end_index + side]};

@@ -224,7 +224,7 @@ void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedP
   for (std::size_t g = 0; g < grains.size(); ++g)
     for (int d = 0; d < 6; ++d) {
       const Grain& grain = grains[g];
-      host_load_[g][d] = n * (grain.force[d] + grain.state->late_load[d] - grain.spread(d, n)) - grain.state->held()[d];
+      host_load_[g][d] = n * (grain.force[d] + grain.state->late_load[d] - grain.spread_part(d, n)) - grain.state->held()[d];
     }
   const std::vector<BondEnd> kept(ends.ends);
   std::vector<double> total;  // accelerations of the grains so far; like the ends in `kept`, they are put aside for the solution

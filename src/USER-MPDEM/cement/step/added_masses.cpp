@@ -59,7 +59,7 @@ void AddedMasses::follow_contacts(const std::vector<int>& moved) {
 
 template <class Action>
 void AddedMasses::renew(const std::vector<int>& rows, Action action) {
-  std::vector<std::vector<AddedMass::Share>> before;
+  std::vector<std::vector<AddedMass::OfNode>> before;
   for (int row : rows)
     if (const Bond* b = scene_.bonds().find(row)) before.push_back(b->added.shares());
   double slowed = 0.0;
@@ -71,7 +71,7 @@ void AddedMasses::renew(const std::vector<int>& rows, Action action) {
                              for (int row : rows)
                                if (Bond* b = scene_.bonds().find(row))
                                  slowed +=
-                                     b->added.add_to_nodes(before[n++], b->grid, scene_.grains.ends_of(*b), scene_.kick(), scene_.now.dt);
+                                     b->added.slow_nodes(before[n++], b->grid, scene_.grains.ends_of(*b), scene_.kick(), scene_.now.dt);
                            });
   scene_.energy.release(slowed);
   scene_.grains.expect_sudden_forces();

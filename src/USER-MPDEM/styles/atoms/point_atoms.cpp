@@ -131,7 +131,7 @@ int PointAtoms::add(const PointRecord& r, const TemplateHead& head, int tag, dou
 
 void PointAtoms::finish(int first_tag, double created) {
   atom->natoms += static_cast<bigint>(created);
-  avec_->waiting.add(lmp, before_, first_tag);
+  avec_->unclaimed.add(lmp, before_, first_tag);
   for (int m = 0; m < modify->nfix; ++m) {
     Fix* fix = modify->fix[m];
     if (!fix->create_attribute) continue;

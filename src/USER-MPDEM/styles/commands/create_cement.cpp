@@ -260,7 +260,7 @@ void CreateCement::command(int narg, char** arg) {
 
 Arguments CreateCement::named(const GrainTags& pair, const Arguments& args) {
   Arguments copy = args;
-  copy.about(text_of("pair ", pair.first, " ", pair.second));
+  copy.name_object(text_of("pair ", pair.first, " ", pair.second));
   return copy;
 }
 
@@ -380,9 +380,9 @@ int CreateCement::template_of(const std::vector<FillPoint>& points) {
     mpdem::TemplatePoint& to = point_template.points.back();
     std::copy(p.X.data(), p.X.data() + 3, to.X);
     to.volume = p.volume;
-    to.links = p.links;
+    to.links = p.link_count;
     to.film = p.film;
-    for (int k = 0; k < p.links; ++k) {
+    for (int k = 0; k < p.link_count; ++k) {
       to.link[k].side = p.link[k].side;
       std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, to.link[k].foot);
       to.link[k].area = p.link[k].area;
@@ -476,8 +476,8 @@ int CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, do
   for (int c = 0; c < 3; ++c) r.X[c] = p.X[c];
   r.volume = p.volume;
   r.film = p.film;
-  r.links = p.links;
-  for (int k = 0; k < p.links; ++k) {
+  r.links = p.link_count;
+  for (int k = 0; k < p.link_count; ++k) {
     r.link[k].grain = bond.record.grain[p.link[k].side];
     for (int c = 0; c < 3; ++c) r.link[k].foot[c] = p.link[k].foot[c];
     r.link[k].area = p.link[k].area;

@@ -162,7 +162,7 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   std::vector<GrainNow> grains;
   std::vector<PointNow> points;
-  double unframed[3] = {0, 0, 0}, all[3];  // points without an axis, points with one, and columns of a film
+  double count[3] = {0, 0, 0}, all[3];  // points without an axis, points with one, and columns of a film
   std::string unknown_law;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (avec->is_point(i)) {
@@ -177,8 +177,8 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
         unknown_law = text_of("write_cement: the damage of the points cannot be told, since ", e.what());
       }
       if (!chosen[p.record.row]) continue;
-      ++unframed[p.record.has_frame];
-      unframed[2] += p.record.film;
+      ++count[p.record.has_frame];
+      count[2] += p.record.film;
       points.push_back(p);
     } else if (avec->orientation(i)) {
       GrainNow g;
@@ -189,7 +189,7 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
     }
   }
   mpdem::stop_if_any(lmp, unknown_law);
-  MPI_Allreduce(unframed, all, 3, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(count, all, 3, MPI_DOUBLE, MPI_SUM, world);
   if (all[2] > 0.0)
     args.complain(text_of(all[2], " of ", all[0] + all[1],
                           " points are columns of a film, and a file has points of cells alone; use 'inner auto' or 'film grid' of "
