@@ -127,18 +127,18 @@ void FreeBody::set_velocity(const std::function<Point(const Point&)>& velocity) 
       with_weights<decltype(type)>(p, m, 1.0 / g.h, [&](const auto& w) { scatter_value(given.data(), m.column, w, momentum); });
     }
   });
-  g.ties.add_to_mass_receivers(given.data(), 3);
+  g.constraints.add_to_mass_receivers(given.data(), 3);
   for (int i = 0; i < g.size(); ++i) {
     const Point v = velocity(place_of_node(i));
     std::copy(v.begin(), v.end(), &g.velocity[3 * i]);
   }
-  g.ties.extend(g.velocity.data());
+  g.constraints.extend(g.velocity.data());
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> left(given);
     add_consistent_mass(points(), g, density_, MassOf::all_points, -1.0, g.velocity, left);
     for (int i = 0; i < g.size(); ++i)
       for (int d = 0; d < 3 && g.mass[i] > 0.0; ++d) g.velocity[3 * i + d] += left[3 * i + d] / g.mass[i];
-    g.ties.extend(g.velocity.data());
+    g.constraints.extend(g.velocity.data());
   }
 }
 
@@ -167,7 +167,7 @@ void FreeBody::add_node_forces(Bond& bond) {
   if (load) {
     std::vector<double> force(g.force.size(), 0.0);
     load(*this, time(), force);
-    g.ties.gather_to_masters(force.data());
+    g.constraints.gather_to_masters(force.data());
     for (std::size_t i = 0; i < force.size(); ++i) g.force[i] += force[i];
   }
   for (int i = 0; i < g.size() && held; ++i)

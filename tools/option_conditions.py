@@ -61,8 +61,8 @@ OPTIONS = [
     ("leaves_residue", r"\bleaves_residue\(|\bresidue_?\b|\bis_residue\b|\bkLeavesResidue\b", "cohesive_traction.* traction_law.h"),
     ("substeps", r"\bsubsteps\b(?:\(\))?|\b(?:begins|ends)_step\(|\bsubcycle\b|\bsubstep\b|\bLoads::spread\b", "substeps.* spread_loads.* shared_impulse.*"),
     ("mass_order", r"\bmass_order\b|\bstability_bound\(", "consistent_mass.*"),
-    ("tied", r"\btied\b|\bties\.empty\(", "extension_constraints.* edge_constraints.*"),
-    ("relax", r"\brelax\b|\bmass_scale\b", "relative_damping.*"),
+    ("tied", r"\btied\b|\bconstraints\.empty\(", "extension_constraints.* edge_constraints.*"),
+    ("relative_damping", r"\brelative_damping\b|\bmass_scale\b", "relative_damping.*"),
     ("point_template", r"\bpoint_template\b|\bhas_template\(", "point_template.* template_layouts.*"),
     ("separated", r"\bseparated\b(?:\()?|\bbroken\(|\bin_pieces\b", "separation.* cracks.*"),
     (

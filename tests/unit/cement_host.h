@@ -327,7 +327,7 @@ class RowOfGrains : public CementHost {
     o.split = row_.split;
     o.unilateral = row_.unilateral;
     o.condense = row_.condense;
-    o.relax = row_.relax;
+    o.relative_damping = row_.relax;
     o.length = row_.length;
     o.mass_order = row_.mass_order;
     o.advance.nonlocal = row_.length > 0.0;
@@ -439,8 +439,8 @@ class RowOfGrains : public CementHost {
       const bool crumbled = row_.crumbled != 0.0 && p.X[0] > row_.crumbled;
       r.failed = r.failed || crumbled;
       if (r.failed) r.damage[2] = 0.9;  // along z
-      r.links = p.links;
-      for (int k = 0; k < p.links; ++k) {
+      r.links = p.link_count;
+      for (int k = 0; k < p.link_count; ++k) {
         r.link[k].grain = record.grain[p.link[k].side];
         std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, r.link[k].foot);
         r.link[k].area = p.link[k].area;

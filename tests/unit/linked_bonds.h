@@ -96,7 +96,7 @@ struct Scene {
   }
   void tie() {
     for (Bond& b : bonds) {
-      b.grid.tie(find_extension_constraints(MPI_COMM_SELF, b.grid.basis, edges_of(b.grid)), true);
+      b.grid.constrain(find_extension_constraints(MPI_COMM_SELF, b.grid.basis, edges_of(b.grid)), true);
       b.grid.lump_mass(b.points, kDensity);
     }
   }
@@ -130,8 +130,8 @@ struct Scene {
     for (Bond& b : bonds)
       for (double& v : b.grid.velocity) v = velocity * random.uniform(-1, 1);
     for (Bond& b : bonds) {
-      b.grid.ties.extend(b.grid.displacement.data());
-      b.grid.ties.extend(b.grid.velocity.data());
+      b.grid.constraints.extend(b.grid.displacement.data());
+      b.grid.constraints.extend(b.grid.velocity.data());
     }
     ends.distribute(records, motion);
   }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "eight_shares.h"
+#include "eight_inertias.h"
 #include "rigid_motion.h"
 
 namespace mpdem {
@@ -19,7 +19,7 @@ void AddedMass::find(const PenaltyLinks& links, Grid& grid, const BondEnd* ends,
   for (const auto& p : mechanisms) p->add_stiffness(grid, ends, penalty.data());
   grid.halo.sum(penalty.data(), 2);
   std::vector<double> mass(grid.size(), 0.0);
-  std::vector<Share> shares;
+  std::vector<OfNode> shares;
   for (int i = 0; i < grid.size(); ++i) {
     const double* k = &penalty[2 * i];
     if (k[0] + k[1] == 0.0) continue;
@@ -33,7 +33,7 @@ void AddedMass::find(const PenaltyLinks& links, Grid& grid, const BondEnd* ends,
   keep(shares, grid);
 }
 
-void AddedMass::keep(const std::vector<Share>& shares, const Grid& grid) {
+void AddedMass::keep(const std::vector<OfNode>& shares, const Grid& grid) {
   const std::size_t eights = (shares.size() + kLanes - 1) / kLanes;
   masses_.assign(eights, EightMasses{});
   masses_.shrink_to_fit();
@@ -44,16 +44,16 @@ void AddedMass::keep(const std::vector<Share>& shares, const Grid& grid) {
     const int count = static_cast<int>(std::min<std::size_t>(kLanes, shares.size() - kLanes * n));
     int of[kLanes];
     for (int l = 0; l < count; ++l) {
-      const Share& a = shares[kLanes * n + l];
+      const OfNode& a = shares[kLanes * n + l];
       of[l] = a.node;
       for (int s = 0; s < 2; ++s) m.mass[s][l] = a.mass[s];
     }
     nodes.emplace_back(grid, of, count);
-    m.added = nodes.back().one_of(mass_.data());
+    m.added = nodes.back().take_scalar(mass_.data());
   }
   nodes_ = std::move(nodes);
   std::vector<std::array<int, 2>> without;
-  const std::vector<int> tie = grid.ties.row_of_each(grid.size());
+  const std::vector<int> tie = grid.constraints.row_of_each(grid.size());
   for (int i = 0; i < grid.size(); ++i) {
     if (tie[i] >= 0 || mass_[i] > 0.0) continue;
     if (without.empty() || without.back()[1] != i) without.push_back({i, i});
@@ -62,8 +62,8 @@ void AddedMass::keep(const std::vector<Share>& shares, const Grid& grid) {
   without_ = std::move(without);
 }
 
-std::vector<AddedMass::Share> AddedMass::shares() const {
-  std::vector<Share> shares;
+std::vector<AddedMass::OfNode> AddedMass::shares() const {
+  std::vector<OfNode> shares;
   for (std::size_t n = 0; n < masses_.size(); ++n)
     for (int l = 0; l < nodes_[n].count; ++l) shares.push_back({nodes_[n].node[l], {masses_[n].mass[0][l], masses_[n].mass[1][l]}});
   return shares;
@@ -80,14 +80,14 @@ void for_each_share(const AddedMass& added, F f) {
   for (std::size_t n = 0; n < added.masses().size(); ++n) {
     const AddedMass::EightMasses& m = added.masses()[n];
     const EightNodes& e = added.nodes()[n];
-    for (int l = 0; l < e.count; ++l) f(AddedMass::Share{e.node[l], {m.mass[0][l], m.mass[1][l]}});
+    for (int l = 0; l < e.count; ++l) f(AddedMass::OfNode{e.node[l], {m.mass[0][l], m.mass[1][l]}});
   }
 }
 
 // Calls f(node, mass, end, vector from the centre of its grain) for all added mass.
 template <class Side, class F>
 void for_each(const AddedMass& added, const Grid& grid, Side* side, F f) {
-  for_each_share(added, [&](const AddedMass::Share& a) {
+  for_each_share(added, [&](const AddedMass::OfNode& a) {
     for (int n = 0; n < 2; ++n) {
       if (a.mass[n] == 0.0) continue;
       double r[3];
@@ -107,11 +107,11 @@ void AddedMass::move_added_mass(Grid& grid, const BondEnd* ends) const {
   });
 }
 
-void AddedMass::carry(Grid& grid, BondEnd* ends) const {
+void AddedMass::accelerate_with_grains(Grid& grid, BondEnd* ends) const {
   EightLoads loads[2];
   for (std::size_t m = 0; m < masses_.size(); ++m) {
     const EightMasses& own = masses_[m];
-    const EightShares e(own, nodes_[m], grid);
+    const EightInertias e(own, nodes_[m], grid);
     vd r[2][3], of_grain[2][3], f[3];
     e.nodes.take(grid.force.data(), f);
     for (int n = 0; n < 2; ++n) {
@@ -133,7 +133,7 @@ void AddedMass::carry(Grid& grid, BondEnd* ends) const {
 
 void AddedMass::accelerate(Grid& grid, BondEnd* ends) const {
   if (empty()) return grid.update_acceleration();
-  carry(grid, ends);
+  accelerate_with_grains(grid, ends);
   for (const std::array<int, 2>& row : without_) grid.accelerate(row[0], row[1]);
   grid.finish_accelerations();
 }
@@ -144,7 +144,7 @@ AddedMass::Followed AddedMass::follow_jumps(Grid& grid, BondEnd* ends, double ra
   if (!jumps(ends[0]) && !jumps(ends[1])) return power;
   const std::vector<char>& counts = grid.halo.counts_here();
   const double* inertial = grid.inertial_force.empty() ? nullptr : grid.inertial_force.data();
-  for_each_share(*this, [&](const Share& a) {
+  for_each_share(*this, [&](const OfNode& a) {
     const double inverse = 1.0 / (grid.mass[a.node] + mass_[a.node]);
     double r[2][3], of_grain[2][3], of_node[3] = {0, 0, 0};
     for (int n = 0; n < 2; ++n) {
@@ -164,7 +164,7 @@ AddedMass::Followed AddedMass::follow_jumps(Grid& grid, BondEnd* ends, double ra
       add_to_grain(r[n], relative, grain_rate * a.mass[n], ends[n].jump_force, ends[n].jump_force + 3);
     }
   });
-  grid.ties.extend(grid.acceleration.data());
+  grid.constraints.extend(grid.acceleration.data());
   return power;
 }
 
@@ -185,13 +185,13 @@ void AddedMass::add_jumps(Grid& grid, BondEnd* ends, bool at_start) const {
 // to the grain. The force of the last step acts on half of the motion of this one, so the change of the velocity
 // changes its work. The loss is that of the kinetic energy of the node, less the work of the transfer force on the
 // grain and less this change.
-double AddedMass::add_to_nodes(const std::vector<Share>& before, Grid& grid, BondEnd* ends, double later, double dt) const {
+double AddedMass::slow_nodes(const std::vector<OfNode>& before, Grid& grid, BondEnd* ends, double later, double dt) const {
   std::vector<double> change(grid.velocity.size(), 0.0);
   const std::vector<char>& counts = grid.halo.counts_here();
   double lost = 0.0;
   bool any = false;
   auto old = before.begin();
-  for_each_share(*this, [&](const Share& now) {
+  for_each_share(*this, [&](const OfNode& now) {
     while (old != before.end() && old->node < now.node) ++old;
     const bool had = old != before.end() && old->node == now.node;
     const double m = grid.mass[now.node];
@@ -218,7 +218,7 @@ double AddedMass::add_to_nodes(const std::vector<Share>& before, Grid& grid, Bon
     }
   });
   if (!any) return 0.0;
-  grid.ties.extend(change.data());
+  grid.constraints.extend(change.data());
   for (std::size_t i = 0; i < change.size(); ++i) grid.velocity[i] += change[i];
   return lost;
 }
@@ -289,7 +289,7 @@ double AddedMass::energy(const Grid& grid, const BondEnd* ends, double early, do
 }
 
 void AddedMass::add_to_ends(const Grid& grid, double* mass) const {
-  for_each_share(*this, [&](const Share& a) {
+  for_each_share(*this, [&](const OfNode& a) {
     for (int n = 0; n < 2; ++n)
       if (grid.halo.counts_here()[a.node]) mass[n] += a.mass[n];
   });

@@ -46,11 +46,11 @@ class AddedMass {
             const std::vector<std::unique_ptr<BondMechanism>>& mechanisms = {});
 
   // Added mass of a node, due to links on any rank.
-  struct Share {
+  struct OfNode {
     int node;
     double mass[2];  // of the links to each grain
   };
-  std::vector<Share> shares() const;
+  std::vector<OfNode> shares() const;
   // Shares of eight nodes, one a lane. EightNodes has the data that bonds of one shape share.
   struct EightMasses {
     vd mass[2];  // 0 in the lanes beyond the last share; these lanes have the node of the first share
@@ -66,7 +66,7 @@ class AddedMass {
   // step dt, which the grains have made already. The momentum that nodes lose goes to the grains over this step, as a
   // transfer force. Returns the energy that the cement loses beyond its work on the grains, without that of the added
   // mass.
-  double add_to_nodes(const std::vector<Share>& before, Grid& grid, BondEnd* ends, double later, double dt) const;
+  double slow_nodes(const std::vector<OfNode>& before, Grid& grid, BondEnd* ends, double later, double dt) const;
 
   // Adds to the nodes the force that accelerates the added mass with its grains, without its reaction.
   void move_added_mass(Grid& grid, const BondEnd* ends) const;
@@ -105,9 +105,9 @@ class AddedMass {
   std::size_t memory_usage() const;
 
  private:
-  void carry(Grid& grid, BondEnd* ends) const;                    // replaces forces on nodes with added mass by accelerations
-  void keep(const std::vector<Share>& shares, const Grid& grid);  // lays out masses_, nodes_ and without_
-  SharedList<double> mass_;                                       // of each node, for both grains
+  void accelerate_with_grains(Grid& grid, BondEnd* ends) const;    // replaces forces on nodes with added mass by accelerations
+  void keep(const std::vector<OfNode>& shares, const Grid& grid);  // lays out masses_, nodes_ and without_
+  SharedList<double> mass_;                                        // of each node, for both grains
   std::vector<EightMasses> masses_;
   SharedList<EightNodes> nodes_;
   SharedList<std::array<int, 2>> without_;  // ranges of nodes that are not constrained and have no added mass

@@ -36,7 +36,7 @@ void CondensedModel::pack(double* n) const {
   n = std::copy(K.data(), K.data() + 36, n);
   n = std::copy(M.data(), M.data() + 144, n);
   n = std::copy(N.data(), N.data() + 108, n);
-  *n = coupling;
+  *n = inertial_coupling;
 }
 
 void CondensedModel::unpack(const double* n) {
@@ -44,7 +44,7 @@ void CondensedModel::unpack(const double* n) {
   std::copy(n + 3, n + 39, K.data());
   std::copy(n + 39, n + 183, M.data());
   std::copy(n + 183, n + 291, N.data());
-  coupling = n[291];
+  inertial_coupling = n[291];
 }
 
 void GrainLoads::add_to(BondEnd* ends) const {
@@ -55,15 +55,15 @@ void GrainLoads::add_to(BondEnd* ends) const {
     }
 }
 
-void CondensedModel::find_coupling() {
-  coupling = 0.0;
+void CondensedModel::find_inertial_coupling() {
+  inertial_coupling = 0.0;
   if (M.topRightCorner<6, 6>().isZero(0.0)) return;
-  coupling = 1.0;  // the bound for any positive semidefinite M
+  inertial_coupling = 1.0;  // the bound for any positive semidefinite M
   const Eigen::LLT<Matrix6> first(M.topLeftCorner<6, 6>()), second(M.bottomRightCorner<6, 6>());
   if (first.info() != Eigen::Success || second.info() != Eigen::Success) return;
   const Matrix6 half = first.matrixL().solve(Matrix6(M.topRightCorner<6, 6>()));
   const Matrix6 both = second.matrixL().solve(Matrix6(half.transpose()));  // L_1^-1 M_10 L_0^-T
-  coupling = std::min(1.0, Eigen::JacobiSVD<Matrix6>(both).singularValues()[0]);
+  inertial_coupling = std::min(1.0, Eigen::JacobiSVD<Matrix6>(both).singularValues()[0]);
 }
 
 CondensedMotion::CondensedMotion(const CondensedModel& model, const BondRecord& record, const BondEnd* ends) {
@@ -98,15 +98,15 @@ GrainLoads CondensedMotion::elastic(const CondensedModel& model) const {
   return l;
 }
 
-GrainLoads CondensedMotion::all(const CondensedModel& model, const BondEnd* ends, const double* gravity) const {
+GrainLoads CondensedMotion::all_loads(const CondensedModel& model, const BondEnd* ends, const double* gravity) const {
   GrainLoads sum = elastic(model);
-  const GrainLoads inertial = loads(-(model.M * (rate(ends) - uniform(gravity)) + centripetal(model, ends)));
+  const GrainLoads inertial = loads(-(model.M * (acceleration(ends) - uniform(gravity)) + centripetal(model, ends)));
   for (int s = 0; s < 2; ++s)
     for (int d = 0; d < 6; ++d) sum.of[s][d] += inertial.of[s][d];
   return sum;
 }
 
-CondensedMotion::Vector12 CondensedMotion::of_ends(const double* first, const double* second) const {
+CondensedMotion::Vector12 CondensedMotion::to_q(const double* first, const double* second) const {
   Vector12 q;
   const double* of[2] = {first, second};
   for (int s = 0; s < 2; ++s) {
@@ -124,10 +124,10 @@ CondensedMotion::Vector12 CondensedMotion::velocity(const BondEnd* ends, double 
       v[s][d] = ends[s].v[d] + later * ends[s].a[d];
       v[s][3 + d] = ends[s].omega[d] + later * ends[s].alpha[d];
     }
-  return of_ends(v[0], v[1]);
+  return to_q(v[0], v[1]);
 }
 
-CondensedMotion::Vector12 CondensedMotion::rate(const BondEnd* ends) const {
+CondensedMotion::Vector12 CondensedMotion::acceleration(const BondEnd* ends) const {
   double a[2][6];
   for (int s = 0; s < 2; ++s) {
     const Vector3 w = vector(ends[s].omega), to_axis = w.cross(w.cross(r_[s]));
@@ -136,16 +136,16 @@ CondensedMotion::Vector12 CondensedMotion::rate(const BondEnd* ends) const {
       a[s][3 + d] = ends[s].alpha[d];
     }
   }
-  return of_ends(a[0], a[1]);
+  return to_q(a[0], a[1]);
 }
 
 // Half a step before, the vector to p_s was r_s - half omega x r_s. So the velocity of p_s lacked half times its
-// centripetal acceleration, which is rate() of ends that do not accelerate. That of nodes lacked half times N : B.
+// centripetal acceleration, which is acceleration() of ends that do not accelerate. That of nodes lacked half times N : B.
 CondensedMotion::Vector12 CondensedMotion::momentum_before(const CondensedModel& model, const BondEnd* ends, double half) const {
   BondEnd turning_alone[2] = {ends[0], ends[1]};
   for (BondEnd& s : turning_alone)
     for (int d = 0; d < 3; ++d) s.a[d] = s.alpha[d] = 0.0;
-  return model.M * (velocity(ends, 0.0) - half * rate(turning_alone)) - half * centripetal(model, ends);
+  return model.M * (velocity(ends, 0.0) - half * acceleration(turning_alone)) - half * centripetal(model, ends);
 }
 
 CondensedMotion::Vector12 CondensedMotion::uniform(const double* g) const {
@@ -177,7 +177,7 @@ CondensedMotion::Vector12 CondensedMotion::generalized(const double* first, cons
 }
 
 CondensedMotion::Vector12 CondensedMotion::centripetal(const CondensedModel& model, const BondEnd* ends) const {
-  const Vector3 w = turning(ends);
+  const Vector3 w = angular_velocity(ends);
   const Matrix3 B = w * w.transpose() - w.squaredNorm() * Matrix3::Identity();
   Vector12 f = Vector12::Zero();
   for (int a = 0; a < 3; ++a)

@@ -48,11 +48,11 @@ struct CondensedModel {
 
   // Adds a node of mass m at X with its values of the six static fields, field(component, motion).
   void add_node(double m, const Vector3& X, const Eigen::Matrix<double, 3, 6>& field);
-  // Largest value of 2 |q_0.M_01 q_1| over q_0.M_00 q_0 + q_1.M_11 q_1, from 0 to 1. Call find_coupling() when M is
+  // Largest value of 2 |q_0.M_01 q_1| over q_0.M_00 q_0 + q_1.M_11 q_1, from 0 to 1. Call find_inertial_coupling() when M is
   // complete.
-  double coupling = 0.0;
-  void find_coupling();
-  static constexpr int kNumbers = 3 + 36 + 144 + 108 + 1;  // middle, K, M, N, coupling
+  double inertial_coupling = 0.0;
+  void find_inertial_coupling();
+  static constexpr int kNumbers = 3 + 36 + 144 + 108 + 1;  // middle, K, M, N, inertial_coupling
   void pack(double* numbers) const;
   void unpack(const double* numbers);
 };
@@ -78,12 +78,12 @@ class CondensedMotion {
   double energy(const CondensedModel& model) const { return 0.5 * d_.dot(model.K * d_); }
   GrainLoads elastic(const CondensedModel& model) const;
 
-  // velocity() returns the velocities (v, omega) of the ends plus `later` times their accelerations, as q. rate()
+  // velocity() returns the velocities (v, omega) of the ends plus `later` times their accelerations, as q. acceleration()
   // returns the accelerations as q'.
   Vector12 velocity(const BondEnd* ends, double later) const;
-  Vector12 rate(const BondEnd* ends) const;
+  Vector12 acceleration(const BondEnd* ends) const;
   // Converts six numbers of each end, about the centre of its grain, to the form of q.
-  Vector12 of_ends(const double* first, const double* second) const;
+  Vector12 to_q(const double* first, const double* second) const;
   // Converts the uniform field g to the form of q.
   Vector12 uniform(const double* g) const;
   // loads() converts generalized forces on q to loads on the grains. generalized() converts six numbers of each end
@@ -95,12 +95,12 @@ class CondensedMotion {
   // M q of half a step before, for ends with the velocities of that time and the present positions.
   Vector12 momentum_before(const CondensedModel& model, const BondEnd* ends, double half) const;
   // All loads on the grains for these velocities and accelerations of the ends: elastic, inertial and weight.
-  GrainLoads all(const CondensedModel& model, const BondEnd* ends, const double* gravity) const;
+  GrainLoads all_loads(const CondensedModel& model, const BondEnd* ends, const double* gravity) const;
 
   const Matrix3& axes() const { return Q_; }
   Vector3 middle() const { return 0.5 * (p_[0] + p_[1]); }
   // Angular velocity of the bond, in its axes.
-  Vector3 turning(const BondEnd* ends) const { return 0.5 * Q_.transpose() * (vector(ends[0].omega) + vector(ends[1].omega)); }
+  Vector3 angular_velocity(const BondEnd* ends) const { return 0.5 * Q_.transpose() * (vector(ends[0].omega) + vector(ends[1].omega)); }
   static Vector3 vector(const double* x) { return Vector3(x[0], x[1], x[2]); }
 
  private:

@@ -63,7 +63,7 @@ void CondensedPack::fill(Block& b, int lane, const Entry& entry) {
   const BondRecord& record = *entry.record;
   for (int s = 0; s < 2; ++s) {
     const double* q = record.orientation[s];
-    for (int d = 0; d < 4; ++d) b.back[s][d][lane] = d == 0 ? q[0] : -q[d];
+    for (int d = 0; d < 4; ++d) b.inverse_orientation[s][d][lane] = d == 0 ? q[0] : -q[d];
     for (int d = 0; d < 3; ++d) b.arm[s][d][lane] = m.middle[d] - record.centre[s][d];
   }
   for (int d = 0; d < 3; ++d) b.shift[d][lane] = record.shift[1][d] - record.shift[0][d];
@@ -91,7 +91,7 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Entry>& entries, cons
   tags_.clear();
   slot_of_owned_.clear();
   for (auto* of_slots : {&load_, &jump_load_, &inertial_load_, &weight_, &mass_}) of_slots->clear();
-  coupling_ = 0.0;
+  inertial_coupling_ = 0.0;
   if (!any_) return;
   for (const Grain& g : grains) tags_.push_back(g.tag);
   for (const Entry& p : entries) tags_.insert(tags_.end(), p.record->grain, p.record->grain + 2);
@@ -115,9 +115,9 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Entry>& entries, cons
     for (int s = 0; s < 2; ++s) b.slot[s][lane] = slot_of(entry.record->grain[s]);
     if (n >= entries.size()) continue;
     b.count = lane + 1;
-    most = std::max(most, entry.model->coupling);
+    most = std::max(most, entry.model->inertial_coupling);
   }
-  MPI_Allreduce(&most, &coupling_, 1, MPI_DOUBLE, MPI_MAX, comm);
+  MPI_Allreduce(&most, &inertial_coupling_, 1, MPI_DOUBLE, MPI_MAX, comm);
   motion_.assign(kMotion * tags_.size(), 0.0);
   acceleration_.assign(6 * tags_.size(), 0.0);
   load_.assign(6 * tags_.size(), 0.0);
@@ -125,7 +125,7 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Entry>& entries, cons
   mass_.assign(kSym6 * tags_.size(), 0.0);
 }
 
-void CondensedPack::hand_out(double* values, int width) { halo_.sum(values, width); }
+void CondensedPack::send_to_slots(double* values, int width) { halo_.sum(values, width); }
 
 void CondensedPack::distribute(const std::vector<Grain>& grains) {
   if (!any_) return;
@@ -143,7 +143,7 @@ void CondensedPack::distribute(const std::vector<Grain>& grains) {
     std::copy(state.jump, state.jump + 6, to + kJump);
     to[kRatio] = g.mass_ratio;
   }
-  hand_out(motion_.data(), kMotion);
+  send_to_slots(motion_.data(), kMotion);
   for (std::size_t i = 0; i < tags_.size(); ++i)
     for (int d = 0; d < 6; ++d) acceleration_[6 * i + d] = d < 3 ? motion_[kMotion * i + kA + d] : 0.0;
 }
@@ -154,15 +154,15 @@ void CondensedPack::set_accelerations(const double* of_owned) {
     if (!owned_[i]) std::fill(&acceleration_[6 * i], &acceleration_[6 * i] + 6, 0.0);
   for (std::size_t n = 0; n < slot_of_owned_.size(); ++n)
     std::copy(of_owned + 6 * n, of_owned + 6 * n + 6, &acceleration_[6 * slot_of_owned_[n]]);
-  hand_out(acceleration_.data(), 6);
+  send_to_slots(acceleration_.data(), 6);
 }
 
 void CondensedPack::set_jumps(const double* of_owned) {
   if (!any_) return;
-  rate_.assign(6 * tags_.size(), 0.0);
-  for (std::size_t n = 0; n < slot_of_owned_.size(); ++n) std::copy(of_owned + 6 * n, of_owned + 6 * n + 6, &rate_[6 * slot_of_owned_[n]]);
-  hand_out(rate_.data(), 6);
-  for (std::size_t i = 0; i < tags_.size(); ++i) std::copy(&rate_[6 * i], &rate_[6 * i] + 6, &motion_[kMotion * i + kJump]);
+  work_.assign(6 * tags_.size(), 0.0);
+  for (std::size_t n = 0; n < slot_of_owned_.size(); ++n) std::copy(of_owned + 6 * n, of_owned + 6 * n + 6, &work_[6 * slot_of_owned_[n]]);
+  send_to_slots(work_.data(), 6);
+  for (std::size_t i = 0; i < tags_.size(); ++i) std::copy(&work_[6 * i], &work_[6 * i] + 6, &motion_[kMotion * i + kJump]);
 }
 
 void CondensedPack::find_loads(const double* gravity) {
@@ -220,7 +220,7 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
       omega[s].a[d] = lanes_of(kOmega + d);
     }
     const vd q[4] = {lanes_of(kQ), lanes_of(kQ + 1), lanes_of(kQ + 2), lanes_of(kQ + 3)};
-    turn[s] = rotation_of(quaternion_product(q, b.back[s]).data());
+    turn[s] = rotation_of(quaternion_product(q, b.inverse_orientation[s]).data());
     arm[s] = Vec{{b.arm[s][0], b.arm[s][1], b.arm[s][2]}};
   }
   const Vec apart = x[1] - x[0] + Vec{{b.shift[0], b.shift[1], b.shift[2]}};
@@ -328,7 +328,7 @@ void CondensedPack::find_masses(Block& b, const RelativeMotion<vd>& m, const Vec
     }
 }
 
-void CondensedPack::apply(const std::vector<double>& rates, std::vector<double>& loads) const {
+void CondensedPack::subtract_coupling_loads(const std::vector<double>& rates, std::vector<double>& loads) const {
   for (const Block& b : blocks_) {
     vd rate[2][6], load[2][6] = {};
     for (int s = 0; s < 2; ++s)
@@ -366,16 +366,16 @@ bool CondensedPack::at_rest() const {
 
 void CondensedPack::subtract_coupling(double* of_owned) {
   if (!any_) return;
-  rate_.assign(6 * tags_.size(), 0.0);
-  apply(acceleration_, rate_);
+  work_.assign(6 * tags_.size(), 0.0);
+  subtract_coupling_loads(acceleration_, work_);
   for (std::size_t n = 0; n < slot_of_owned_.size(); ++n)
-    for (int d = 0; d < 6; ++d) of_owned[6 * n + d] += rate_[6 * slot_of_owned_[n] + d];
+    for (int d = 0; d < 6; ++d) of_owned[6 * n + d] += work_[6 * slot_of_owned_[n] + d];
 }
 
 void CondensedPack::find_inertial_loads() {
   if (!any_) return;
   std::fill(inertial_load_.begin(), inertial_load_.end(), 0.0);
-  apply(acceleration_, inertial_load_);
+  subtract_coupling_loads(acceleration_, inertial_load_);
   for (int slot : slot_of_owned_) {
     double of_own[6] = {};
     add_product_sym6(&mass_[kSym6 * slot], &acceleration_[6 * slot], of_own);
@@ -385,19 +385,19 @@ void CondensedPack::find_inertial_loads() {
 
 void CondensedPack::find_jump_loads(double dt) {
   if (!any_) return;
-  rate_.assign(6 * tags_.size(), 0.0);
+  work_.assign(6 * tags_.size(), 0.0);
   bool jumps = false;
   for (std::size_t i = 0; i < tags_.size(); ++i)
     for (int d = 0; d < 6; ++d) {
-      rate_[6 * i + d] = motion_[kMotion * i + kJump + d] / dt;
-      jumps = jumps || rate_[6 * i + d] != 0.0;
+      work_[6 * i + d] = motion_[kMotion * i + kJump + d] / dt;
+      jumps = jumps || work_[6 * i + d] != 0.0;
     }
   if (!jumps) return;
   jump_load_.assign(6 * tags_.size(), 0.0);
-  apply(rate_, jump_load_);
+  subtract_coupling_loads(work_, jump_load_);
   for (int slot : slot_of_owned_) {
     double of_own[6] = {};
-    add_product_sym6(&mass_[kSym6 * slot], &rate_[6 * slot], of_own);
+    add_product_sym6(&mass_[kSym6 * slot], &work_[6 * slot], of_own);
     for (int d = 0; d < 6; ++d) jump_load_[6 * slot + d] -= of_own[d];
   }
 }

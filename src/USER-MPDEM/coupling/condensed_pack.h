@@ -63,10 +63,10 @@ class CondensedPack {
   double jump_load(int grain, int d) const { return of_owned(jump_load_, 6, grain, d); }
   double inertial_load(int grain, int d) const { return of_owned(inertial_load_, 6, grain, d); }
   double weight(int grain, int d) const { return of_owned(weight_, 6, grain, d); }
-  // mass() has the lower triangle of the sum of M_ss of an owned grain. coupling() is the largest
-  // CondensedModel::coupling of all bonds.
+  // mass() has the lower triangle of the sum of M_ss of an owned grain. inertial_coupling() is the largest
+  // CondensedModel::inertial_coupling of all bonds.
   double mass(int grain, int k) const { return of_owned(mass_, kSym6, grain, k); }
-  double coupling() const { return coupling_; }
+  double inertial_coupling() const { return inertial_coupling_; }
   // Subtracts sum M_st a_t from the six numbers of each owned grain.
   void subtract_coupling(double* of_owned);
   bool at_rest() const;  // true if no grain here has an acceleration
@@ -96,8 +96,8 @@ class CondensedPack {
   // each acceleration subtracts from it.
   struct Block {
     int slot[2][kLanes], count;
-    vd back[2][4];           // inverse of the orientations at the creation
-    vd arm[2][3], shift[3];  // arm: from centres to the middle; shift: between the coordinates of both grains
+    vd inverse_orientation[2][4];  // inverse of the orientations at the creation
+    vd arm[2][3], shift[3];        // arm: from centres to the middle; shift: between the coordinates of both grains
     vd K[kSym6], M[78], N[36], first[3], second[6];
     vd bound[6], d[6], level;
     vd C[36];  // M_01 in the axes of the box, by rows
@@ -109,8 +109,8 @@ class CondensedPack {
   void find_weight(Block& b, const RelativeMotion<vd>& m, const double* gravity, const Three<vd>& along);
   vd tension_of(const Block& b) const;
   void add_loads(const Block& b, const RelativeMotion<vd>& m, const vd* generalized, std::vector<double>& to) const;
-  void apply(const std::vector<double>& rates, std::vector<double>& loads) const;  // loads -= sum M_st rates_t
-  void hand_out(double* values, int width);  // sends values of owners to all slots; all other values must be 0
+  void subtract_coupling_loads(const std::vector<double>& rates, std::vector<double>& loads) const;  // loads -= sum M_st rates_t
+  void send_to_slots(double* values, int width);  // sends values of owners to all slots; all other values must be 0
   // Number i of an owned grain; 0 if there are none.
   double of_owned(const std::vector<double>& values, int width, int grain, int i) const {
     return values.empty() ? 0.0 : values[width * slot_of_owned_[grain] + i];
@@ -122,8 +122,8 @@ class CondensedPack {
   std::vector<int> tags_, slot_of_owned_;  // tags_: of slots, ascending
   std::vector<char> owned_;
   HaloSum halo_;
-  std::vector<double> motion_, acceleration_, rate_, load_, jump_load_, inertial_load_, weight_, mass_;  // of slots; rate_: work array
-  double coupling_ = 0.0;
+  std::vector<double> motion_, acceleration_, work_, load_, jump_load_, inertial_load_, weight_, mass_;  // of slots; work_: work array
+  double inertial_coupling_ = 0.0;
   bool any_ = false;
 };
 

@@ -20,14 +20,14 @@ double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] 
 }  // namespace
 
 CrackFaces::CrackFaces(const PointStore& points, const Grid& grid, const KeyOf& at_start, double friction) : friction_(friction) {
-  const std::vector<int> tie = grid.ties.row_of_each(grid.size());
+  const std::vector<int> tie = grid.constraints.row_of_each(grid.size());
   find_pairs(grid, at_start, tie);
   if (pairs_.empty()) return;
   std::vector<char> paired(grid.size(), 0);
   for (const Pair& p : pairs_) paired[p.node[0]] = paired[p.node[1]] = 1;
   // Constrained nodes add to their masters, which may be nodes of pairs.
   for (int i = 0; i < grid.size(); ++i)
-    if (tie[i] >= 0) grid.ties.for_each_master(tie[i], [&](int master, double) { paired[i] = paired[i] || paired[master]; });
+    if (tie[i] >= 0) grid.constraints.for_each_master(tie[i], [&](int master, double) { paired[i] = paired[i] || paired[master]; });
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const BlockMeta& m = points.meta[b];
     if (m.failed == m.occupied) continue;
@@ -82,8 +82,8 @@ void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
       });
     }
   });
-  grid.ties.gather_to_masters(gradient_.data());
-  grid.ties.gather_scalars_to_masters(volume_.data());
+  grid.constraints.gather_to_masters(gradient_.data());
+  grid.constraints.gather_scalars_to_masters(volume_.data());
   grid.halo.sum(gradient_.data(), 3);
   grid.halo.sum(volume_.data(), 1);
 }
@@ -136,13 +136,13 @@ void CrackFaces::add_pair_force(Pair& p, Grid& grid, const double* mass, double 
   }
   ++touching_;
   largest_penetration_ = std::max(largest_penetration_, -wn);
-  const double together = 1.0 / (kick * (1.0 / mass[0] + 1.0 / mass[1]));  // force that changes v by 1
+  const double reduced_mass_over_kick = 1.0 / (kick * (1.0 / mass[0] + 1.0 / mass[1]));  // force that changes v by 1
   // An overlap, where the normal rotated, is undone no faster than the faces close; otherwise it would supply energy.
   const double after = std::min(-wn / dt, -vn);
-  const double normal = (after - vn) * together, stop = std::sqrt(dot(slip, slip)) * together;
+  const double normal = (after - vn) * reduced_mass_over_kick, stop = std::sqrt(dot(slip, slip)) * reduced_mass_over_kick;
   const double share = stop > friction_ * normal ? friction_ * normal / stop : 1.0;
   for (int d = 0; d < 3; ++d) {
-    p.force[d] = normal * n[d] - share * together * slip[d];
+    p.force[d] = normal * n[d] - share * reduced_mass_over_kick * slip[d];
     grid.force[a + d] -= p.force[d];
     grid.force[b + d] += p.force[d];
   }

@@ -82,7 +82,7 @@ void DebondedContact::lay_out(const PointStore& points, const BondRecord& record
       b.radius[lane] = p.radius;
       b.contact[lane] = *i;
       b.taken |= static_cast<std::uint8_t>(1u << lane);
-      if (!points.has_failed(p.slot)) b.connected |= static_cast<std::uint8_t>(1u << lane);
+      if (!points.has_failed(p.slot)) b.intact |= static_cast<std::uint8_t>(1u << lane);
       if (p.closed) b.closed |= static_cast<std::uint8_t>(1u << lane);
       if (!grid.find_columns(field_of(points.meta[block].row, points.meta[block].layer), base,
                              &columns_[columns_.size() - (kLanes - lane) * columns_of_cell_]))
@@ -121,26 +121,26 @@ __attribute__((noinline)) void DebondedContact::find_stretch(const Block& b, con
 vd DebondedContact::energy(const Block& b, const Touch& t) const {
   const vd in = max(-t.gap, vd{});
   const TractionStiffness k = p_.contact();
-  return masked(b.connected, 0.5 * b.area * (k.kn * in * in + k.kt * dot(t.e, t.e)));
+  return masked(b.intact, 0.5 * b.area * (k.kn * in * in + k.kt * dot(t.e, t.e)));
 }
 
 double DebondedContact::follow(Block& b, PointStore& points, const BondEnd& s, Touch& t) {
   const std::uint8_t was = b.closed;
-  b.closed = static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.connected);
+  b.closed = static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.intact);
   if (!b.closed && !was) return 0.0;
   const TractionStiffness k = p_.contact();
   const vmask starts = lanes(static_cast<std::uint8_t>(b.closed & ~was));
-  const vd bears = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));  // mu p, |kt e|
+  const vd limit = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));  // mu p, |kt e|
   const vmask slips =
-      lanes(was) & (size > (1.0 + 1e-9) * bears);  // 1e-9: rounding is no slip; all of e slips where the gap opens, since bears is 0
-  const vd share = select(slips, 1.0 - bears / size, vd{});  // share of e that slips
+      lanes(was) & (size > (1.0 + 1e-9) * limit);  // 1e-9: rounding is no slip; all of e slips where the gap opens, since limit is 0
+  const vd share = select(slips, 1.0 - limit / size, vd{});  // share of e that slips
   for (int i = 0; i < 3; ++i) {
     const vd at = s.R.a[0][i] * t.q[0] + s.R.a[1][i] * t.q[1] + s.R.a[2][i] * t.q[2];
     const vd slip = share * (s.R.a[0][i] * t.e[0] + s.R.a[1][i] * t.e[1] + s.R.a[2][i] * t.e[2]);
     b.stick_point[i] = select(starts, at, b.stick_point[i] + slip);
   }
   // The slip happened between the last step and this one, so the mean of the tractions of both works on it.
-  const vd slides = select(size > (1.0 - 1e-9) * bears, bears, size);
+  const vd slides = select(size > (1.0 - 1e-9) * limit, limit, size);
   const double frictional =
       sum_lanes(masked(static_cast<std::uint8_t>(b.closed | was), 0.5 * b.area * (b.friction_traction + slides) * share * size / k.kt));
   b.friction_traction = masked(b.closed, slides);
@@ -231,7 +231,7 @@ bool DebondedContact::update_added_mass(PointStore& points, const Grid& grid, co
     find_velocity(b, grid, before[b.side], t, v, of_grain);
     const vd least = t.gap + kMargin * soon * min(dot(v, t.n), vd{});
     const vd reach = select(b.added_mass_area > 0.0, splat(2.0 * kNear * grid.h), splat(kNear * grid.h));
-    const vd wanted = masked(static_cast<std::uint8_t>(b.connected & bits(least < reach)), b.area);
+    const vd wanted = masked(static_cast<std::uint8_t>(b.intact & bits(least < reach)), b.area);
     for (int l = 0; l < kLanes; ++l) {
       if (!(b.taken >> l & 1)) continue;
       changes = changes || wanted[l] != b.added_mass_area[l];
@@ -284,15 +284,15 @@ double DebondedContact::end(PointStore& points, const Grid& grid, const BondEnd*
   for (Block& b : blocks_) {
     std::uint8_t ends = 0;
     for (int l = 0; l < kLanes; ++l)
-      if ((b.connected >> l & 1) && std::binary_search(failed.begin(), failed.end(), points.contacts[b.contact[l]].slot))
+      if ((b.intact >> l & 1) && std::binary_search(failed.begin(), failed.end(), points.contacts[b.contact[l]].slot))
         ends |= static_cast<std::uint8_t>(1u << l);
     if (!ends) continue;
     const BondEnd& s = bond_ends[b.side];
     Touch t;
     touch(b, grid, s, t);
     released += sum_lanes(masked(static_cast<std::uint8_t>(ends & b.closed), energy_across(b, t, grid, s, dt)));
-    b.connected &= static_cast<std::uint8_t>(~ends);
-    b.closed &= b.connected;
+    b.intact &= static_cast<std::uint8_t>(~ends);
+    b.closed &= b.intact;
     b.friction_traction = masked(b.closed, b.friction_traction);
     for (int l = 0; l < kLanes; ++l)
       if (ends >> l & 1) {
@@ -311,15 +311,14 @@ double DebondedContact::open(PointStore& points, const BondRecord& record, const
     for (const Block& b : blocks_) {
       Touch t;
       touch(b, grid, bond_ends[b.side], t);
-      sum +=
-          sum_lanes(masked(static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.connected), energy_across(b, t, grid, bond_ends[b.side], dt)));
+      sum += sum_lanes(masked(static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.intact), energy_across(b, t, grid, bond_ends[b.side], dt)));
     }
     return sum;
   };
   std::vector<ContactPoint> opened;
   for (int link : links) opened.push_back(contact_of_link(points, points.links[link], p_.at_surface));
   const double before_it = pressed();
-  take(points, record, grid, std::move(opened));
+  add(points, record, grid, std::move(opened));
   return pressed() - before_it;
 }
 
@@ -330,7 +329,7 @@ void DebondedContact::add_debonded_at_creation(PointStore& points, const BondRec
     if ((!k.attached || failed) && !find(points.contacts, k.slot, k.grain)) opened.push_back(contact_of_link(points, k, p_.at_surface));
   }
   if (opened.empty()) return;
-  take(points, record, grid, std::move(opened));
+  add(points, record, grid, std::move(opened));
   for (Block& b : blocks_) {
     Touch t;
     touch(b, grid, bond_ends[b.side], t);
@@ -340,7 +339,7 @@ void DebondedContact::add_debonded_at_creation(PointStore& points, const BondRec
   }
 }
 
-void DebondedContact::take(PointStore& points, const BondRecord& record, const Grid& grid, std::vector<ContactPoint> opened) {
+void DebondedContact::add(PointStore& points, const BondRecord& record, const Grid& grid, std::vector<ContactPoint> opened) {
   for (ContactPoint& o : opened) {
     o.radius = distance(o.X, record.centre[side_of(record, o.grain)]);
     if (ContactPoint* there = find(points.contacts, o.slot, o.grain)) {
@@ -358,7 +357,7 @@ std::vector<DebondedContact::OrphanedContact> DebondedContact::orphans(const Poi
   std::vector<OrphanedContact> all;
   for (const Block& b : blocks_)
     for (int l = 0; l < kLanes; ++l) {
-      if (!((b.taken & ~b.connected) >> l & 1)) continue;
+      if (!((b.taken & ~b.intact) >> l & 1)) continue;
       const ContactPoint& p = points.contacts[b.contact[l]];
       OrphanedContact m{points.meta[p.slot / kLanes].row, p.grain, points.tag(p.slot), p.area, {}, {}, record.spacing};
       const double* centre = record.centre[b.side];

@@ -121,8 +121,8 @@ class DebondedContact : public BondMechanism {
     vint base[3];
     int contact[kLanes];  // index in the store; -1: empty
     int side;
-    std::uint8_t taken, connected, closed;                                     // one bit for each lane; connected: the point has not failed
-    bool has_failed_points_only() const { return (connected | closed) == 0; }  // all its points failed, so it carries no load
+    std::uint8_t taken, intact, closed;                                     // one bit for each lane; intact: the point has not failed
+    bool has_failed_points_only() const { return (intact | closed) == 0; }  // all its points failed, so it carries no load
   };
   // Kinematics of eight contact points, see the symbols above.
   struct Touch {
@@ -141,7 +141,7 @@ class DebondedContact : public BondMechanism {
   vd energy_across(const Block& b, const Touch& t, const Grid& grid, const BondEnd& s, double dt) const;
   void lay_out(const PointStore& points, const BondRecord& record, const Grid& grid);
   // Adds new contact points to the store, and lays out all.
-  void take(PointStore& points, const BondRecord& record, const Grid& grid, std::vector<ContactPoint> opened);
+  void add(PointStore& points, const BondRecord& record, const Grid& grid, std::vector<ContactPoint> opened);
 
   PenaltyParameters p_;
   int columns_of_cell_ = 0;

@@ -27,7 +27,7 @@ struct EightNodes {
     }
   }
 
-  // Reads values of the nodes, three numbers each. put() writes them, and add() adds to them. one_of() reads values of
+  // Reads values of the nodes, three numbers each. put() writes them, and add() adds to them. take_scalar() reads values of
   // one number each. find_places() finds the present positions.
   void take(const double* values, vd* out) const {
     const double* p[kLanes];
@@ -42,7 +42,7 @@ struct EightNodes {
     for (int l = 0; l < count; ++l)
       for (int d = 0; d < 3; ++d) values[3 * static_cast<long>(node[l]) + d] += in[d][l];
   }
-  vd one_of(const double* v) const {
+  vd take_scalar(const double* v) const {
     const int* n = node;
     return vd{v[n[0]], v[n[1]], v[n[2]], v[n[3]], v[n[4]], v[n[5]], v[n[6]], v[n[7]]};
   }

@@ -172,14 +172,14 @@ void Film::deform(std::size_t b, const Rotations& t, const BondEnd* bond_ends, v
 }
 
 // Both links debond, whatever the cause. With a debonded face the column also loses its strain.
-void Film::debond(int slot, bool debonds) {
+void Film::debond(int slot, bool by_face) {
   columns_[slot / kLanes].cut |= static_cast<std::uint8_t>(1u << slot % kLanes);
   const auto [first, last] = of_slot(points.links, slot);
   for (auto k = first; k != last; ++k) {
-    if (debonds && k->state[0] >= 1.0 && k->attached) debonded.push_back(static_cast<int>(k - points.links.begin()));
+    if (by_face && k->state[0] >= 1.0 && k->attached) debonded.push_back(static_cast<int>(k - points.links.begin()));
     k->attached = false;
   }
-  if (!debonds) return;
+  if (!by_face) return;
   double* strain = reinterpret_cast<double*>(&points.blocks[slot / kLanes].strain) + slot % kLanes;
   for (int i = 0; i < 6; ++i) strain[kLanes * i] = 0.0;
 }
@@ -195,14 +195,14 @@ void Film::force_on_face(const L& law, std::size_t b, const Rotations& turns, co
   vd r[2][3], g[3];
   Mat3<vd> F, dF;
   deform(b, turns, bond_ends, r, F);
-  F = keep(lanes(carrying(b)), F, p.F);
+  F = blend(lanes(carrying(b)), F, p.F);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) dF.a[i][j] = F.a[i][j] - p.F.a[i][j];
   Frame q = p.q;
   Sym3<vd> strain = p.strain;
   advance_strain(p.F, dF, q, strain);
   const Sym3<vd> stress = m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
-  const Mat3<vd> weighted = weighted_piola(F, q, stress, carried(static_cast<int>(b)));
+  const Mat3<vd> weighted = weighted_piola(F, q, stress, volume_that_carries(static_cast<int>(b)));
   for (int i = 0; i < 3; ++i) g[i] = c.inverse_t * (weighted.a[i][0] * c.N[0] + weighted.a[i][1] * c.N[1] + weighted.a[i][2] * c.N[2]);
   for (int i = 0; i < 3; ++i) {
     const auto back = [&](int s) { return turns.Q[s].a[0][i] * g[0] + turns.Q[s].a[1][i] * g[1] + turns.Q[s].a[2][i] * g[2]; };
@@ -338,17 +338,16 @@ void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* fac
       Mat3<vd> unused;
       deform(static_cast<std::size_t>(b), rotations_now, ends, r, unused);
       const PointBlock& p = points.blocks[b];
-      loads.add(weighted_piola(p.F, p.q, stress, carried(b)), columns_[b], r);
+      loads.add(weighted_piola(p.F, p.q, stress, volume_that_carries(b)), columns_[b], r);
     };
-    const int n = static_cast<int>(points.blocks.size());
-    for (int b = 0; b < n; ++b) {
+    for (int b = 0, n = static_cast<int>(points.blocks.size()); b < n; ++b) {
       const BlockMeta& m = points.meta[b];
       if (!carrying(static_cast<std::size_t>(b))) continue;
       PointBlock& p = points.blocks[b];
       vd r[2][3];
       Mat3<vd> F, dF;
       deform(static_cast<std::size_t>(b), rotations_now, ends, r, F);
-      if (const std::uint8_t at_rest = m.failed | columns_[b].cut) F = keep(lanes(at_rest), p.F, F);
+      if (const std::uint8_t at_rest = m.failed | columns_[b].cut) F = blend(lanes(at_rest), p.F, F);
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) dF.a[i][j] = F.a[i][j] - p.F.a[i][j];
       const Sym3<vd> strain_start = p.strain;
@@ -357,7 +356,7 @@ void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* fac
       Sym3<vd> stress;
       if (stress_at_end(
               b, strain_start, [] { return vd{}; }, stress))
-        loads.add(weighted_piola(p.F, p.q, stress, carried(b)), columns_[b], r);
+        loads.add(weighted_piola(p.F, p.q, stress, volume_that_carries(b)), columns_[b], r);
       if (stress_at_end.full()) stress_at_end.flush(clock, load);
     }
     stress_at_end.flush(clock, load);
@@ -383,7 +382,8 @@ void Film::add_force(BondEnd* ends, const Law& of_any_kind) const {
       vd r[2][3];
       Mat3<vd> unused;
       deform(static_cast<std::size_t>(b), rotations_now, ends, r, unused);
-      loads.add(weighted_piola(p.F, p.q, stress_of(points, static_cast<int>(b), law), carried(static_cast<int>(b))), columns_[b], r);
+      loads.add(weighted_piola(p.F, p.q, stress_of(points, static_cast<int>(b), law), volume_that_carries(static_cast<int>(b))),
+                columns_[b], r);
     }
   });
   loads.add_to(ends, rotations_now);
@@ -470,7 +470,7 @@ Film::Matrix6 Film::stiffness(const Strains& strains, const Law& of_any_kind) co
     using L = std::decay_t<decltype(law)>;
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const BlockMeta& m = points.meta[b];
-      const vd live = carried(static_cast<int>(b));
+      const vd live = volume_that_carries(static_cast<int>(b));
       for (int j = 0; j < 6; ++j) {
         const Sym3<vd> stress =
             m.damaged ? law.stress(strains[j][b], state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strains[j][b]);

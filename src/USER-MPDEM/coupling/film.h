@@ -120,10 +120,10 @@ class Film {
   void force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* ends, vd* f) const;
   template <class T>
   vd energy_of_faces(const T& traction, std::size_t b) const;
-  void debond(int slot, bool debonds);  // debonds: a face of the column debonded; else its point failed
+  void debond(int slot, bool by_face);  // by_face: a face of the column debonded; else its point failed
   void write_faces(int b);              // writes the faces of block b to the links of the store
   static int grain_behind_of(const Column& c, std::uint8_t live);
-  vd carried(int b) const { return masked(carrying(static_cast<std::size_t>(b)), points.blocks[b].volume); }  // volume that carries load
+  vd volume_that_carries(int b) const { return masked(carrying(static_cast<std::size_t>(b)), points.blocks[b].volume); }
 
   std::vector<Column> columns_;
   std::vector<Faces> faces_;  // empty with perfect bond

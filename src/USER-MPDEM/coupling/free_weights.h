@@ -17,7 +17,7 @@ namespace mpdem {
 class FreeWeights {
  public:
   explicit FreeWeights(const Grid& grid)
-      : ties_(grid.ties), row_(grid.ties.row_of_each(grid.size())), weight_(grid.size(), 0.0), used_(grid.size(), 0) {}
+      : ties_(grid.constraints), row_(grid.constraints.row_of_each(grid.size())), weight_(grid.size(), 0.0), used_(grid.size(), 0) {}
 
   // Adds the row sums of a link of stiffness k at the position given by its columns and lane l of its weights. `sums`
   // points to the number of one grain at the first node. Each node has two such numbers.

@@ -49,7 +49,7 @@ struct Grain {
 
   // Component d of u of cement/step/substeps.cpp: the part of the load of the host at the end of a step of n sub-steps that
   // acts within the steps before and after this time, and not at this time.
-  double spread(int d, int n) const { return free[d] ? (1.0 - 1.0 / n) * state->between[d] : 0.0; }
+  double spread_part(int d, int n) const { return free[d] ? (1.0 - 1.0 / n) * state->mean_at_end[d] : 0.0; }
   bool any_free() const { return std::find(free, free + 6, true) != free + 6; }
 };
 

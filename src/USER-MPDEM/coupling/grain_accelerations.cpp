@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "../numerics/cross_matrix.h"
-#include "eight_shares.h"
+#include "eight_inertias.h"
 
 namespace mpdem {
 
@@ -73,14 +73,14 @@ void GrainAccelerations::add(const OfBond& bond, const BondEnds& ends) {
   vd of_end[2][kPadded] = {};
   for (std::size_t m = 0; m < bond.added->masses().size(); ++m) {
     const AddedMass::EightMasses& own = bond.added->masses()[m];
-    const EightShares e(own, bond.added->nodes()[m], grid);
+    const EightInertias e(own, bond.added->nodes()[m], grid);
     vd f[3];
     e.nodes.take(grid.force.data(), f);
     const vd inverse = 1.0 / e.inertia;
     for (int s = 0; s < 2; ++s) {
       const vd c = e.nodes.counted * own.mass[s], share = c * inverse;
       vd r[3], *to = of_end[s];
-      e.lever_arm(ends.ends[bond.side + s], r);
+      e.lever_arm(ends.ends[bond.end_0 + s], r);
       for (int d = 0; d < 3; ++d) {
         const int e1 = (d + 1) % 3, e2 = (d + 2) % 3;
         to[d] += share * f[d];
@@ -92,7 +92,7 @@ void GrainAccelerations::add(const OfBond& bond, const BondEnds& ends) {
   }
   for (int s = 0; s < 2; ++s)
     for (int i = 0; i < kPadded; i += kLanes)
-      add_first(sum_lanes_of_8(of_end[s] + i), std::min(kLanes, kWidth - i), &sum_[kWidth * (bond.side + s) + i]);
+      add_first(sum_lanes_of_8(of_end[s] + i), std::min(kLanes, kWidth - i), &sum_[kWidth * (bond.end_0 + s) + i]);
 }
 
 // Sets up the equations. Returns a bound of the spectral radius.
@@ -114,7 +114,7 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
     for (int k = 0; k < kSym6; ++k) D[k] = condensed.mass(static_cast<int>(g), k);
     Matrix6 W = Matrix6::Zero();
     for (int i = 0; fresh && i < 6; ++i)
-      for (int j = 0; j < 6; ++j) W(i, j) = condensed.coupling() * D[lower_triangle(i, j)];
+      for (int j = 0; j < 6; ++j) W(i, j) = condensed.inertial_coupling() * D[lower_triangle(i, j)];
     Vector6 sum = load[g];
     for (int i = 0; i < 6; ++i) {
       D[lower_triangle(i, i)] += i < 3 ? grain.mass : grain.inertia;

@@ -64,7 +64,7 @@ class GrainAccelerations {
   struct OfBond {
     const AddedMass* added;
     const Grid* grid;
-    int side;  // index of its end 0 in BondEnds::ends
+    int end_0;  // index of its end 0 in BondEnds::ends
   };
 
   // Adds bonds one by one before find(). A bond can be added as soon as the forces on its nodes are complete, while its

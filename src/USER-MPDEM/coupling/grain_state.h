@@ -27,13 +27,13 @@ struct GrainState {
   double late_load[6] = {0, 0, 0, 0, 0, 0};  // force and torque that fixes after fix mpm added in the last step
   // Used with sub-steps, see cement/bond/spread_loads.cpp. spread: the loads of the host are spread. mean: three
   // running means, each of the one before, the first of the load. off and off_squared: running averages of the
-  // deviation of the load from held(), and of its square. between: (S + S')/2 of cement/step/substeps.cpp. path_offset: sum
+  // deviation of the load from held(), and of its square. mean_at_end: (S + S')/2 of cement/step/substeps.cpp. path_offset: sum
   // of the distances of the positions in the sub-steps from the mean of the ends of the step. It is found before grains
   // move to other ranks, and used after that.
   bool spread = false;
   double mean[18] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   double off[6] = {0, 0, 0, 0, 0, 0}, off_squared = 0.0;
-  double between[6] = {0, 0, 0, 0, 0, 0};
+  double mean_at_end[6] = {0, 0, 0, 0, 0, 0};
   double path_offset[3] = {0, 0, 0};
 
   // Load in each sub-step of the next step of the host.
@@ -60,7 +60,7 @@ struct GrainState {
       visit("the mean load of a bonded grain", g.mean, kFinite);
       visit("how far the load of a bonded grain is off its mean", g.off, kFinite);
       visit("how far the square of the load of a bonded grain is off its mean", g.off_squared, kNotNegative);
-      visit("the load of a bonded grain between steps", g.between, kFinite);
+      visit("the load of a bonded grain between steps", g.mean_at_end, kFinite);
       visit("how far the path of a bonded grain in its sub-steps is bent", g.path_offset, kFinite);
     }
   }

@@ -260,8 +260,8 @@ void PenaltyLinks::follow_layers(const PointStore& points, const Grid& grid, con
 
 // Finds the current vector q from the centre of the grain, its deviation delta from R q0, and the direction n.
 template <class Type>
-void PenaltyLinks::compute_gap(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, vd* q, vd* delta,
-                               vd* n) const {
+void PenaltyLinks::find_separation(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, vd* q, vd* delta,
+                                   vd* n) const {
   vd u[3], r[3], at[3], q0[3];
   gather(grid.displacement, b, w, u);
   // q0 in the frame of the grain.
@@ -310,7 +310,7 @@ Power PenaltyLinks::damper_power(const Grid& grid, const BondEnd* ends) const {
         const BondEnd& s = ends[b.side];
         const Weights<Type> w(b.X, b.base, inverse_h_);
         vd q[3], delta[3], n[3], v[3], f[3], a[3];
-        compute_gap(b, grid, s, w, q, delta, n);
+        find_separation(b, grid, s, w, q, delta, n);
         damper(b, grid, s, w, law.secant(separation_of(delta, n), state(law, i)), q, n, v, f);
         gather(grid.acceleration, b, w, a);
         for (int d = 0; d < 3; ++d) {
@@ -332,7 +332,7 @@ double PenaltyLinks::fastest(const Grid& grid, const BondEnd* ends) const {
       const BondEnd& s = ends[b.side];
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       vd q[3], delta[3], n[3], v[3];
-      compute_gap(b, grid, s, w, q, delta, n);
+      find_separation(b, grid, s, w, q, delta, n);
       find_velocity(b, grid, s, w, q, v);
       const vd speed = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
       for (int l = 0; l < kLanes; ++l)
@@ -354,7 +354,7 @@ void PenaltyLinks::each_attached(const Grid& grid, const BondEnd* ends, F f) con
       if (!link_flags_[i].attached) continue;
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       vd q[3], delta[3], n[3];
-      compute_gap(b, grid, ends[b.side], w, q, delta, n);
+      find_separation(b, grid, ends[b.side], w, q, delta, n);
       f(i, w, q, delta, n);
     }
   });
@@ -435,7 +435,7 @@ template <class L>
 vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const BondEnd& s) const {
   const LinkBlock& b = blocks_[block];
   vd q[3], delta[3], n[3];
-  with_basis(basis_, [&](auto type) { compute_gap(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
+  with_basis(basis_, [&](auto type) { find_separation(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
   return masked(link_flags_[block].attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
 }
 
@@ -472,7 +472,7 @@ vd PenaltyLinks::energy_at_debonding(const L& law, std::size_t block, const Grid
   vd q[3], delta[3], n[3], v[3], before[3];
   with_basis(basis_, [&](auto type) {
     const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
-    compute_gap(b, grid, s, w, q, delta, n);
+    find_separation(b, grid, s, w, q, delta, n);
     find_velocity(b, grid, s, w, q, v);
   });
   const LinkSeparation apart = separation_of(delta, n);
@@ -572,7 +572,7 @@ std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const 
         const LinkBlock& b = blocks_[i];
         Secant& s = secants[i];
         vd delta[3];
-        compute_gap(b, grid, ends[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), s.arm, delta, s.n);
+        find_separation(b, grid, ends[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), s.arm, delta, s.n);
         const TractionSecant k = law.secant(separation_of(delta, s.n), state(law, i));
         const vd area = masked(link_flags_[i].attached, b.area);
         s.kn = area * k.kn;
@@ -591,7 +591,7 @@ void PenaltyLinks::share(AlikeLists& alike) {
 
 std::size_t PenaltyLinks::memory_usage() const {
   return blocks_.memory_usage() + columns_.memory_usage() + layers_.memory_usage() + link_flags_.capacity() * sizeof(LinkFlags) +
-         states_.capacity() * sizeof(vd) + (moves_.capacity() + created_.capacity()) * sizeof(Gaps) + dampers_.capacity() * sizeof(vd);
+         states_.capacity() * sizeof(vd) + (moves_.capacity() + created_.capacity()) * sizeof(Positions) + dampers_.capacity() * sizeof(vd);
 }
 
 }  // namespace mpdem

@@ -164,7 +164,7 @@ class PenaltyLinks {
   };
 
   // Positions of the links of a block, or their displacements in a step.
-  struct Gaps {
+  struct Positions {
     vd X[3];
   };
 
@@ -208,8 +208,8 @@ class PenaltyLinks {
   void take_states(const PointStore& points);  // from the links of the store
   // Neither this nor add_force_of() is inlined, so that forces are bitwise identical with and without update_block().
   template <class Type>
-  __attribute__((noinline)) void compute_gap(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, vd* q,
-                                             vd* delta, vd* n) const;
+  __attribute__((noinline)) void find_separation(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, vd* q,
+                                                 vd* delta, vd* n) const;
   // Calls f(block, weights, q, delta, n) for the blocks with attached links.
   template <class F>
   void each_attached(const Grid& grid, const BondEnd* ends, F f) const;
@@ -238,8 +238,8 @@ class PenaltyLinks {
   SharedList<int> layers_;
   std::vector<LinkFlags> link_flags_;  // one for each block
   std::vector<vd> states_;             // states of the traction law, its fields for each block; equal to those of the store
-  std::vector<Gaps> moves_;            // moves of the links of each block in this step, `kinematics updated` only
-  std::vector<Gaps> created_;          // positions of the links of each block at creation; empty: where they act
+  std::vector<Positions> moves_;       // moves of the links of each block in this step, `kinematics updated` only
+  std::vector<Positions> created_;     // positions of the links of each block at creation; empty: where they act
   std::vector<vd> dampers_;            // damping coefficient over sqrt(k), for each block; empty without damping
   // Centres of the grains at creation, and the rotations from their frames to the axes of the bond.
   double centre_[2][3] = {};

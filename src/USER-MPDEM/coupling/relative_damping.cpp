@@ -19,12 +19,12 @@ double RelativeDamping::rate(double thickness, double critical_share, double she
 }
 
 std::vector<char> connected_grains_of_nodes(const PointStore& points, Grid& grid) {
-  const std::vector<int> row = grid.ties.row_of_each(grid.size());
+  const std::vector<int> row = grid.constraints.row_of_each(grid.size());
   // A copy that is constrained to a single node moves with it.
   const auto that_moves = [&](int i) {
     int masters = 0, master = i;
     if (row[i] >= 0)
-      grid.ties.for_each_master(row[i], [&](int node, double) {
+      grid.constraints.for_each_master(row[i], [&](int node, double) {
         ++masters;
         master = node;
       });
@@ -50,7 +50,7 @@ std::vector<char> connected_grains_of_nodes(const PointStore& points, Grid& grid
   return bits;
 }
 
-std::vector<double> shares_of_second_grain(const Grid& grid, const BondRecord& record, const std::vector<char>& held) {
+std::vector<double> shares_of_second_grain(const Grid& grid, const BondRecord& record, const std::vector<char>& connected) {
   std::vector<double> share(grid.size());
   for (int i = 0; i < grid.size(); ++i) {
     double depth[2];
@@ -64,7 +64,8 @@ std::vector<double> shares_of_second_grain(const Grid& grid, const BondRecord& r
     }
     const double sum = depth[0] + depth[1];
     share[i] = sum > 0.0 ? depth[0] / sum : 0.5;
-    if (!held.empty() && held[i] != kConnectedToBoth) share[i] = held[i] - 1.0;  // 0: only grain 0, 1: only grain 1, -1: none
+    if (!connected.empty() && connected[i] != kConnectedToBoth)
+      share[i] = connected[i] - 1.0;  // 0: only grain 0, 1: only grain 1, -1: none
   }
   return share;
 }
@@ -74,15 +75,15 @@ RelativeDamping::RelativeDamping(const BondRecord& record, double critical_share
   for (int s = 0; s < 2; ++s) reach2_[s] = kReach * record.radius[s] * kReach * record.radius[s];
 }
 
-void RelativeDamping::follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) {
+void RelativeDamping::follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& connected) {
   eights_.clear();
-  const std::vector<double> share = shares_of_second_grain(grid, record, held);
+  const std::vector<double> share = shares_of_second_grain(grid, record, connected);
   std::vector<int> nodes;
   for (int i = 0; i < grid.size(); ++i)
     if (share[i] >= 0.0) nodes.push_back(i);
   for (std::size_t n = 0; n < nodes.size(); n += kLanes) {
     const EightNodes e(grid, &nodes[n], static_cast<int>(std::min<std::size_t>(kLanes, nodes.size() - n)));
-    eights_.push_back({e, e.one_of(share.data())});
+    eights_.push_back({e, e.take_scalar(share.data())});
   }
 }
 
@@ -91,7 +92,7 @@ RelativeDamping::Moving RelativeDamping::move(const Eight& e, const Grid& grid, 
   vd x[3];
   e.nodes.find_places(grid, x);
   e.nodes.take(grid.velocity.data(), m.v);
-  m.scale = rate_ * e.nodes.one_of(grid.mass.data());
+  m.scale = rate_ * e.nodes.take_scalar(grid.mass.data());
   for (int s = 0; s < 2; ++s) {
     m.share[s] = s == 0 ? 1.0 - e.share : e.share;
     for (int d = 0; d < 3; ++d) m.r[s][d] = x[d] - ends[s].x[d];

@@ -32,8 +32,8 @@ namespace mpdem {
 // of that node.
 std::vector<char> connected_grains_of_nodes(const PointStore& points, Grid& grid);
 
-// s of each node. Below 0 for a fragment, which follows no grain. held: connected_grains_of_nodes() of a separated bond, else empty.
-std::vector<double> shares_of_second_grain(const Grid& grid, const BondRecord& record, const std::vector<char>& held);
+// s of each node. Below 0 for a fragment, which follows no grain. connected: connected_grains_of_nodes() of a separated bond, else empty.
+std::vector<double> shares_of_second_grain(const Grid& grid, const BondRecord& record, const std::vector<char>& connected);
 
 // Damping of one bond. `ends` points to end 0 of the bond. End 1 follows it.
 class RelativeDamping : public BondMechanism {
@@ -41,7 +41,7 @@ class RelativeDamping : public BondMechanism {
   RelativeDamping() = default;
   // critical_share: share of critical damping. Nothing is damped before follow_grains().
   RelativeDamping(const BondRecord& record, double critical_share, double shear_speed);
-  void follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) override;
+  void follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& connected) override;
   void add_damping(const BondContext& b) override { slow_nodes(b.grid, b.ends); }
   void add_damping_power(const Grid& grid, const BondEnd* ends, Power& sum) const override { sum.add(power(grid, ends)); }
   static double rate(double thickness, double critical_share, double shear_speed);

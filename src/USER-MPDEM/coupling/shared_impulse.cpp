@@ -18,9 +18,9 @@ void subtract_from_grain(const double* r, const double* f, double scale, BondEnd
 
 }  // namespace
 
-void SharedImpulse::follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) {
+void SharedImpulse::follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& connected) {
   *this = SharedImpulse();
-  share_ = shares_of_second_grain(grid, record, held);
+  share_ = shares_of_second_grain(grid, record, connected);
 }
 
 // If nothing failed, the mass is bitwise that of the nodes.
@@ -30,7 +30,7 @@ void SharedImpulse::find_intact_mass(const PointStore& points, const Grid& grid,
     here_.clear();
     if (some_failed || grid.halo.shares_any()) {
       here_ = grid.local_mass(points, density, true);
-      grid.ties.add_to_mass_receivers(here_.data(), 1);
+      grid.constraints.add_to_mass_receivers(here_.data(), 1);
     }
     stale_ = false;
   }
@@ -58,7 +58,7 @@ void SharedImpulse::add_moments(const Grid& grid, const BondEnd* ends, EndMoment
 void SharedImpulse::apply_impulse(Grid& grid, BondEnd* ends, const AddedMass& added) {
   const std::vector<char>& counts = grid.halo.counts_here();
   force_.assign(3 * grid.size(), 0.0);
-  const std::vector<AddedMass::Share> shares = added.shares();
+  const std::vector<AddedMass::OfNode> shares = added.shares();
   auto extra = shares.begin();
   for (int i = 0; i < grid.size(); ++i) {
     while (extra != shares.end() && extra->node < i) ++extra;

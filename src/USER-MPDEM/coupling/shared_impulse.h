@@ -33,7 +33,7 @@ namespace mpdem {
 class SharedImpulse : public BondMechanism {
  public:
   // Must be called before the first impulse.
-  void follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) override;
+  void follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& connected) override;
   void points_failed(const BondContext&, const std::vector<int>&, const std::vector<int>&, Losses&) override { stale_ = true; }
   // Forgets the last impulse, which acts only at the end of its step.
   void add_force(const BondContext&, Losses&) override { force_.clear(); }

@@ -155,13 +155,13 @@ class Flow {
 };
 
 // Indices of the passable points of a bond, and the flow over these. Point k of the flow is points[k].
-struct Bond {
+struct PassableBond {
   std::vector<int> points;
   Flow flow;
 };
 
 template <class Passes, class Attached>
-Bond bond_of(const std::vector<CrackPoint>& points, const Neighbours& near, Passes passes, Attached attached) {
+PassableBond bond_of(const std::vector<CrackPoint>& points, const Neighbours& near, Passes passes, Attached attached) {
   std::vector<int> passed, place(points.size(), Flow::kNone);
   for (int i : near.order())
     if (passes(points[i])) {
@@ -229,12 +229,12 @@ Ligament find_ligament(const std::vector<CrackPoint>& points) {
   const Neighbours near(points);
   Ligament result;
   {
-    Bond whole = bond_of(
+    PassableBond whole = bond_of(
         points, near, [](const CrackPoint&) { return true; },
         [](const CrackPoint& p, int g) { return p.attached[g] || p.link_area[g] > 0.0; });
     result.whole = static_cast<int>(whole.flow.cut_near(0).size());
   }
-  Bond left = bond_of(
+  PassableBond left = bond_of(
       points, near, [](const CrackPoint& p) { return !p.failed; }, [](const CrackPoint& p, int g) { return p.attached[g]; });
   result.cuts.resize(2);
   double damage[2];

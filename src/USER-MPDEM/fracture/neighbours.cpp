@@ -17,7 +17,7 @@ int Neighbours::at(const std::array<int, 3>& cell) const {
   return it != end && it->first == cell ? it->second : -1;
 }
 
-bool Neighbours::square(int i, int face, std::vector<int>* beside) const {
+bool Neighbours::find_bridge(int i, int face, std::vector<int>* beside) const {
   const int other = face_[i][face];
   if (other < 0 || points_[i].failed || points_[other].failed) return false;
   const int m = across_, width = 2 * m - 1, d = face / 2, e = (d + 1) % 3, g = (d + 2) % 3;
@@ -69,7 +69,7 @@ bool Neighbours::square(int i, int face, std::vector<int>* beside) const {
 
 std::vector<int> Neighbours::bridge(int i, int face) const {
   std::vector<int> beside;
-  square(i, face, &beside);
+  find_bridge(i, face, &beside);
   return beside;
 }
 

@@ -43,7 +43,7 @@ class Neighbours {
   // points are on different sides of an unbonded gap and do not touch.
   const std::array<int, 6>& of(int i) const { return face_[i]; }
   // True if there is a point across that face, both points are intact, and the face belongs to a bridge.
-  bool bridged(int i, int face) const { return square(i, face, nullptr); }
+  bool bridged(int i, int face) const { return find_bridge(i, face, nullptr); }
   // Points beside the square of faces by which the face belongs to a bridge, with i and the point across the face.
   std::vector<int> bridge(int i, int face) const;
   // Points in the order of their cells. Results found in this order do not depend on the order of the given points.
@@ -52,7 +52,7 @@ class Neighbours {
  private:
   int at(const std::array<int, 3>& cell) const;
   // Returns bridged(). beside: gets the points of bridge(), unless it is null.
-  bool square(int i, int face, std::vector<int>* beside) const;
+  bool find_bridge(int i, int face, std::vector<int>* beside) const;
   std::vector<int> order_;
   std::vector<std::array<int, 6>> face_;
   const std::vector<CrackPoint>& points_;

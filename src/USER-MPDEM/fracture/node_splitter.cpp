@@ -16,7 +16,7 @@ namespace mpdem {
 
 namespace {
 
-constexpr int kOut = -2, kIn = -1;  // values of seen_: not in the group; in it, but in no component yet
+constexpr int kOut = -2, kIn = -1;  // values of component_of_: not in the group; in it, but in no component yet
 
 bool same_cell(const SplitterPoint& a, const SplitterPoint& b) {
   return a.cell[0] == b.cell[0] && a.cell[1] == b.cell[1] && a.cell[2] == b.cell[2];
@@ -56,7 +56,7 @@ NodeSplitter::NodeSplitter(std::vector<SplitterPoint> points, Basis basis, const
     while (k < n && grid_index(points_[by_base_[k]].base) == base) ++k;
     base_[base] = {first, k};
   }
-  seen_.assign(n, kOut);
+  component_of_.assign(n, kOut);
 }
 
 // Returns the number that for_each_node() gives to a node of the support with this base.
@@ -123,9 +123,9 @@ void NodeSplitter::add_nodes_split_by(int i, const PhantomNodes& copies, std::ve
   const Around around(*this, i);
   for_each_node(p.base, [&](const GridIndex& n, int) {
     unsigned mask = 0;
-    for (unsigned left = around.here; left; left &= left - 1) {
+    for (unsigned left = around.intact; left; left &= left - 1) {
       const int q = __builtin_ctz(left);
-      const SplitterPoint& other = points_[around.point[q]];
+      const SplitterPoint& other = points_[around.point_at[q]];
       bool in_support = true;
       for (int d = 0; d < 3; ++d) in_support = in_support && n[d] >= other.base[d] && n[d] < other.base[d] + S_;
       mask |= static_cast<unsigned>(in_support) << q;
@@ -134,7 +134,7 @@ void NodeSplitter::add_nodes_split_by(int i, const PhantomNodes& copies, std::ve
       const int mine = PhantomNodes::copy_of(*row, p.layer);
       for (unsigned left = mask; left; left &= left - 1) {
         const int q = __builtin_ctz(left);
-        if (PhantomNodes::copy_of(*row, points_[around.point[q]].layer) != mine) mask &= ~(1u << q);
+        if (PhantomNodes::copy_of(*row, points_[around.point_at[q]].layer) != mine) mask &= ~(1u << q);
       }
     }
     if (!around.are_connected(mask)) nodes.push_back(n);
@@ -196,17 +196,17 @@ void NodeSplitter::examine(const GridIndex& node, const PhantomNodes& copies) {
 }
 
 void NodeSplitter::split_group(const GridIndex& node, const std::vector<int>& group, int copy, int& next, const PhantomNodes& copies) {
-  for (int i : group) seen_[i] = kIn;
+  for (int i : group) component_of_[i] = kIn;
   std::vector<std::vector<int>> components;
   for (int first : group) {
-    if (points_[first].failed || seen_[first] != kIn) continue;
+    if (points_[first].failed || component_of_[first] != kIn) continue;
     const int c = static_cast<int>(components.size());
     components.emplace_back(1, first);
-    seen_[first] = c;
+    component_of_[first] = c;
     for (std::size_t n = 0; n < components[c].size(); ++n)
       for_each_neighbour(components[c][n], [&](int j) {
-        if (seen_[j] != kIn || points_[j].failed || !may_connect(first, j)) return;
-        seen_[j] = c;
+        if (component_of_[j] != kIn || points_[j].failed || !may_connect(first, j)) return;
+        component_of_[j] = c;
         components[c].push_back(j);
       });
   }
@@ -217,15 +217,15 @@ void NodeSplitter::split_group(const GridIndex& node, const std::vector<int>& gr
     std::stable_sort(rank.begin(), rank.end(), [&](int a, int b) { return components[a].size() > components[b].size(); });
     for (std::size_t n = 0; n < rank.size(); ++n) of[rank[n]] = static_cast<int>(n);
     for (int i : group)
-      if (seen_[i] >= 0) seen_[i] = of[seen_[i]];
+      if (component_of_[i] >= 0) component_of_[i] = of[component_of_[i]];
     find_middles(components, rank);
-    grow(group);
+    assign_failed(group);
     for (int i : group)
-      if (seen_[i] > 0) wanted_[i][node] = next + seen_[i] - 1;
+      if (component_of_[i] > 0) wanted_[i][node] = next + component_of_[i] - 1;
     share_volume(node, group, copy, next, copies, components, rank);
     next += static_cast<int>(components.size()) - 1;
   }
-  for (int i : group) seen_[i] = kOut;
+  for (int i : group) component_of_[i] = kOut;
 }
 
 void NodeSplitter::find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
@@ -275,26 +275,26 @@ bool NodeSplitter::prefers_component(int i, int a, int b) const {
 }
 
 // Assigns failed points to the nearest component. Points that no component reaches stay with the first one.
-void NodeSplitter::grow(const std::vector<int>& group) {
+void NodeSplitter::assign_failed(const std::vector<int>& group) {
   std::vector<int> front;
   for (int i : group)
-    if (seen_[i] >= 0) front.push_back(i);
+    if (component_of_[i] >= 0) front.push_back(i);
   while (!front.empty()) {
     std::map<int, int> claims;
     for (int i : front)
       for_each_neighbour(i, [&](int j) {
-        if (seen_[j] != kIn) return;
-        const auto c = claims.emplace(j, seen_[i]).first;
-        if (prefers_component(j, seen_[i], c->second)) c->second = seen_[i];
+        if (component_of_[j] != kIn) return;
+        const auto c = claims.emplace(j, component_of_[i]).first;
+        if (prefers_component(j, component_of_[i], c->second)) c->second = component_of_[i];
       });
     front.clear();
     for (const auto& c : claims) {
-      seen_[c.first] = c.second;
+      component_of_[c.first] = c.second;
       front.push_back(c.first);
     }
   }
   for (int i : group)
-    if (seen_[i] == kIn) seen_[i] = 0;
+    if (component_of_[i] == kIn) component_of_[i] = 0;
 }
 
 bool NodeSplitter::Class::operator<(const Class& o) const {
@@ -320,7 +320,7 @@ NodeChange NodeSplitter::colour(PhantomNodes& copies) {
     classes[c].push_back(w.first);
   }
   // Rows of the affected nodes, from the points that do not change.
-  std::map<GridIndex, RowNow> rows;
+  std::map<GridIndex, NewRow> rows;
   for (const auto& n : split_now_) rows[n.first];
   for (const auto& c : classes)
     for_each_node(c.first.base.data(), [&](const GridIndex& n, int) {
@@ -336,16 +336,16 @@ NodeChange NodeSplitter::colour(PhantomNodes& copies) {
       const int layer = points_[p].layer;
       if (before) with_points.push_back(PhantomNodes::copy_of(*before, layer));
       if (changes[p] || layer == last) return;
-      r.second.emplace(layer, Now{PhantomNodes::entry_of(before, layer), layer});
+      r.second.emplace(layer, NewEntry{PhantomNodes::entry_of(before, layer), layer});
       last = layer;
     });
     sort_unique(with_points);
     if (!before) continue;
     for (const PhantomNodes::Entry& e : *before)  // a node stays split when the points of a copy left the simulation
-      if (!std::binary_search(with_points.begin(), with_points.end(), e.copy)) r.second.emplace(e.layer, Now{e, e.layer});
+      if (!std::binary_search(with_points.begin(), with_points.end(), e.copy)) r.second.emplace(e.layer, NewEntry{e, e.layer});
   }
   NodeChange change;
-  std::vector<RowNow*> of_class;  // row of each node; null if the node is whole
+  std::vector<NewRow*> of_class;  // row of each node; null if the node is whole
   for (const auto& c : classes) {
     of_class.clear();
     for_each_node(c.first.base.data(), [&](const GridIndex& n, int) {
@@ -370,7 +370,7 @@ NodeChange NodeSplitter::colour(PhantomNodes& copies) {
     for (const auto& e : r.second) {
       // The first layer with a copy stands for it: its node has the motion. `stood`: the layer that did so before the change.
       const bool stands = std::none_of(row.begin(), row.end(), [&](const PhantomNodes::Entry& o) { return o.copy == e.second.copy; });
-      const int stood = stands ? copies.representative(e.second.was, r.first) : 0;
+      const int stood = stands ? copies.representative(e.second.old_layer, r.first) : 0;
       if (stands && stood != e.first) change.sources.push_back({r.first, e.first, stood});
       row.push_back(e.second);
       if (split == split_now_.end()) continue;
@@ -384,7 +384,7 @@ NodeChange NodeSplitter::colour(PhantomNodes& copies) {
 }
 
 // The layer of the class if its nodes there have no other copies, else the first such layer.
-int NodeSplitter::free_layer(const Class& c, const std::vector<RowNow*>& rows) const {
+int NodeSplitter::free_layer(const Class& c, const std::vector<NewRow*>& rows) const {
   const auto fits = [&](int layer) {
     for (std::size_t at = 0; at < rows.size(); ++at) {
       if (!rows[at]) continue;

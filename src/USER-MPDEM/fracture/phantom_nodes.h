@@ -150,10 +150,10 @@ class NodeSplitter {
     std::vector<PhantomNodes::Entry> copy;  // copy of each node of the support
     bool operator<(const Class& o) const;
   };
-  struct Now : PhantomNodes::Entry {
-    int was;  // layer that some of its points had before
+  struct NewEntry : PhantomNodes::Entry {
+    int old_layer;  // layer that some of its points had before
   };
-  using RowNow = std::map<int, Now>;  // new row of a node, by layer
+  using NewRow = std::map<int, NewEntry>;  // new row of a node, by layer
   class Around;
 
   template <class F>
@@ -175,9 +175,9 @@ class NodeSplitter {
   void find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank);
   std::array<double, 3> position_from_middle(int i) const;
   bool prefers_component(int i, int a, int b) const;
-  void grow(const std::vector<int>& group);
+  void assign_failed(const std::vector<int>& group);
   NodeChange colour(PhantomNodes& copies);
-  int free_layer(const Class& c, const std::vector<RowNow*>& rows) const;
+  int free_layer(const Class& c, const std::vector<NewRow*>& rows) const;
   void find_continuations(PhantomNodes& copies) const;
 
   std::vector<SplitterPoint> points_;  // ascending in cell and tag
@@ -191,7 +191,7 @@ class NodeSplitter {
   std::vector<int> by_base_;              // points, ascending in base
   std::unordered_map<GridIndex, std::pair<int, int>, GridIndexHash, SameGridIndex> base_;  // range in by_base_ of the points with a base
   // State while a node is examined.
-  std::vector<int> seen_;                      // of each point: its component, or kOut or kIn of node_splitter.cpp
+  std::vector<int> component_of_;              // of each point: its component, or kOut or kIn of node_splitter.cpp
   const UnbondedGap* unbonded_gap_ = nullptr;  // set during start() alone
   struct Middle {
     int size;

@@ -15,7 +15,7 @@ inline bool connected(const SplitterPoint& a, const SplitterPoint& b, int face) 
 
 inline GridIndex grid_index(const int* p) { return {p[0], p[1], p[2]}; }
 
-// Masks of the 26 points around a point. Bit q = 9 x + 3 y + z is the point at x, y, z, each from 0 to 2. here: the intact points.
+// Masks of the 26 points around a point. Bit q = 9 x + 3 y + z is the point at x, y, z, each from 0 to 2. intact: the intact points.
 // faces: those connected to the middle point over a face. paths_: for each face, those connected to the point across it.
 class NodeSplitter::Around {
  public:
@@ -27,18 +27,18 @@ class NodeSplitter::Around {
       GridIndex c = grid_index(p_[i].cell);
       for (int d = 0; d < 3; ++d) c[d] += axis(q, d) - 1;
       const auto at = q == kMiddle ? lattice.at_.end() : lattice.at_.find(c);
-      const bool intact = at != lattice.at_.end() && !p_[at->second].failed;
-      point[q] = intact ? at->second : -1;
-      here |= static_cast<unsigned>(intact) << q;
+      const bool is_intact = at != lattice.at_.end() && !p_[at->second].failed;
+      point_at[q] = is_intact ? at->second : -1;
+      intact |= static_cast<unsigned>(is_intact) << q;
     }
     for (int face = 0; face < 6; ++face) {
       for (int q = 0; q < kPlaces; ++q) {
         const int there = axis(q, face / 2) + (face % 2 == 0 ? -1 : 1);
-        if (point[q] < 0 || there < 0 || there > 2 || point[q + step(face)] < 0) continue;
-        paths_[face] |= static_cast<unsigned>(may_connect(point[q], point[q + step(face)], face)) << q;
+        if (point_at[q] < 0 || there < 0 || there > 2 || point_at[q + step(face)] < 0) continue;
+        paths_[face] |= static_cast<unsigned>(may_connect(point_at[q], point_at[q + step(face)], face)) << q;
       }
       const int beside = kMiddle + step(face);
-      if (point[beside] >= 0 && may_connect(i, point[beside], face)) faces |= 1u << beside;
+      if (point_at[beside] >= 0 && may_connect(i, point_at[beside], face)) faces |= 1u << beside;
     }
   }
 
@@ -57,8 +57,8 @@ class NodeSplitter::Around {
     return (ends & ~reached) == 0;
   }
 
-  int point[kPlaces];
-  unsigned here = 0, faces = 0;
+  int point_at[kPlaces];
+  unsigned intact = 0, faces = 0;
 
  private:
   static int axis(int q, int d) { return d == 0 ? q / 9 : d == 1 ? q / 3 % 3 : q % 3; }

@@ -36,7 +36,7 @@ struct Assignment {
 
 // Spreads assignments from cell to cell, within a layer or across layers, until every point that can be reached has
 // one. Fronts advance together: a point is assigned to all material at its least number of steps.
-void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool across, std::vector<Assignment>& goes) {
+void spread_assignments(const Neighbours& near, const std::vector<CrackPoint>& points, bool across, std::vector<Assignment>& goes) {
   std::vector<int> front, next;
   std::vector<Assignment> claim(goes.size());
   for (int i : near.order())
@@ -197,8 +197,9 @@ void count_between(const CrackPoint& a, const CrackPoint& b, double area, double
     if (at[g]) surface.at_grain[g] += at[1 - g] ? 0.5 * area : area;
 }
 
-// Finds the fracture surface. side: for each point the grains whose material or residue is nearest, by grow(). Links of residue are
-// intact. So the cement separates beside the residue, or through it if it is on both grains.
+// Finds the fracture surface. side: for each point the grains whose material or residue is nearest, by
+// spread_assignments(). Links of residue are intact. So the cement separates beside the residue, or through it if it is
+// on both grains.
 void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points, const std::vector<Piece>& pieces, const double* face_area,
                   const std::vector<Assignment>& side, double reach, Separation& result) {
   const bool held = std::any_of(pieces.begin(), pieces.end(), is_attached) || std::any_of(points.begin(), points.end(), residue_on);
@@ -252,7 +253,7 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
     else goes[i].held = residue_on(points[i]);
     side[i].held = goes[i].held;
   }
-  grow(near, points, false, goes);
+  spread_assignments(near, points, false, goes);
   for (int i = 0; i < n; ++i) {
     const CrackPoint& p = points[i];
     result.between[i] = goes[i].held == 3;
@@ -260,7 +261,7 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
     else if (goes[i].loose != Assignment::kNone) result.piece[i] = loose_part[goes[i].loose];
     else if (!again) result.piece[i] = layer_at_grain(p.nearer, p.layer);  // no step reaches it
   }
-  grow(near, points, true, side);
+  spread_assignments(near, points, true, side);
   find_surface(near, points, pieces, face_area, side, reach, result);
   return result;
 }

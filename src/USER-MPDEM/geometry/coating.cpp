@@ -132,9 +132,10 @@ void Coating::add_breaks(std::vector<double>& at) const {
   const double d = pair().distance(), S1 = pair().R1 + t_, S2 = pair().R2 + t_;
   std::vector<double> z = {pair().height(0) + (d * d + S1 * S1 - S2 * S2) / (2.0 * d)};
   for (int s = 0; s < 2; ++s) {
-    const double S = pair().radius(s) + t_, continuations = s == 0 ? 1.0 : -1.0, h = pair().height(s);  // 1: the contact is above
+    const double S = pair().radius(s) + t_, towards_contact = s == 0 ? 1.0 : -1.0, h = pair().height(s);  // 1: the contact is above
     const double rim = std::sqrt(std::max(S * S - inner() * inner(), 0.0));
-    for (double offset : {S, -S, rim, -rim, S * std::cos(cap_), pair().radius(s) * std::cos(cap_)}) z.push_back(h + continuations * offset);
+    for (double offset : {S, -S, rim, -rim, S * std::cos(cap_), pair().radius(s) * std::cos(cap_)})
+      z.push_back(h + towards_contact * offset);
   }
   for (double v : z)
     if (v > lowest() && v < highest()) at.push_back(v);

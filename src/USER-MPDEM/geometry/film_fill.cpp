@@ -146,7 +146,7 @@ std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmFill& film, co
       p.film = true;
       p.X = column.middle();
       p.volume = across_line * t;
-      p.links = 2;
+      p.link_count = 2;
       for (int s = 0; s < 2; ++s) {
         p.link[s].side = s;
         p.link[s].foot = column.end[s];

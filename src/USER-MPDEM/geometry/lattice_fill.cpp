@@ -132,7 +132,7 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Neig
   for (std::size_t p = 0; p < points.size(); ++p) {
     if (patches[p].area <= 0.0) continue;
     FillPoint& f = points[p];
-    auto& k = f.link[f.links++];
+    auto& k = f.link[f.link_count++];
     k.side = side;
     k.area = patches[p].area * attached / total;
     const Vector3 q = patches[p].sum / patches[p].area - pair.centre(side);
@@ -198,7 +198,7 @@ bool cut_cell(const Shape& shape, double spacing, const Cell& cell, FillPoint& p
 }
 
 // Reduces a point to the region of its cell that neighbours do not own. Returns false if that is empty.
-bool leave_own(const Shape& shape, double spacing, const std::vector<Neighbour>& neighbours, const Cell& cell, FillPoint& p) {
+bool keep_own(const Shape& shape, double spacing, const std::vector<Neighbour>& neighbours, const Cell& cell, FillPoint& p) {
   const Vector3 centre = spacing * Vector3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
   const Owner owner = owner_around(neighbours, centre, 0.5 * std::sqrt(3.0) * spacing);
   if (owner != Owner::several) return owner == Owner::shape;
@@ -271,7 +271,7 @@ std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing, doub
   double total = 0.0;
   for (auto& f : filled) {
     total += f.second.volume;  // includes what neighbours own
-    if (!neighbours.empty() && !leave_own(shape, spacing, neighbours, f.first, f.second)) continue;
+    if (!neighbours.empty() && !keep_own(shape, spacing, neighbours, f.first, f.second)) continue;
     cells.push_back(f.first);
     points.push_back(f.second);
   }

@@ -24,8 +24,8 @@ namespace mpdem {
 struct FillPoint {
   Vector3 X = Vector3::Zero();
   double volume = 0;
-  int links = 0;      // how many of `link` there are
-  bool film = false;  // a column of a film, see film_fill.h
+  int link_count = 0;  // how many of `link` there are
+  bool film = false;   // a column of a film, see film_fill.h
   struct Attachment {
     int side = 0;
     Vector3 foot = Vector3::Zero();

@@ -7,7 +7,7 @@
 //
 // The first group is that of `neigh_modify include`: the grains. Only its atoms are in the bins of LIGGGHTS' neighbour
 // lists, by which LIGGGHTS finds triangles next to atoms. So points have no triangles, and their contact flags are never
-// read. AtomVecMpdem::apart says that a run was prepared so; `include` may have changed since.
+// read. AtomVecMpdem::points_excluded says that a run was prepared so; `include` may have changed since.
 #include <mpi.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ using namespace LAMMPS_NS;
 // The same on all ranks.
 bool points_are_excluded(LAMMPS* lmp) {
   const AtomVecMpdem* cement = AtomVecMpdem::of(lmp);
-  return cement && cement->apart && !cement->bonds.table.empty() && lmp->neighbor->includegroup != 0;
+  return cement && cement->points_excluded && !cement->bonds.table.empty() && lmp->neighbor->includegroup != 0;
 }
 
 // Commands may have deleted atoms since LIGGGHTS counted the first group, so nfirst may exceed nlocal. Grains precede

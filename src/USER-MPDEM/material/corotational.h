@@ -29,7 +29,7 @@ inline Mat3<vd> rotation_matrix(const Frame& q, vd two = splat(2.0)) {
 }
 
 // Returns the product of the quaternions (1, v/2) and q, which rotates by about v after q. Its length is not 1.
-inline Frame turned(const Frame& q, vd vx, vd vy, vd vz) {
+inline Frame unnormalised_product(const Frame& q, vd vx, vd vy, vd vz) {
   const vd x = 0.5 * vx, y = 0.5 * vy, z = 0.5 * vz;
   return {q.w - x * q.x - y * q.y - z * q.z, q.x + x * q.w + y * q.z - z * q.y, q.y + y * q.w + z * q.x - x * q.z,
           q.z + z * q.w + x * q.y - y * q.x};
@@ -49,7 +49,7 @@ inline vd inverse_root_next_to_one(vd square) {
   return 1.0 + e * (0.5 + e * (0.375 + e * (0.3125 + e * 0.2734375)));
 }
 
-// Frame after the Cayley rotation by the axial vector v: (1, v/2)/|.| q, from p = turned(q, v).
+// Frame after the Cayley rotation by the axial vector v: (1, v/2)/|.| q, from p = unnormalised_product(q, v).
 inline Frame spun(const Frame& p, vd vx, vd vy, vd vz) {
   // Normalising p itself, and not by (1 + v^2/4)^(1/2), keeps |q| = 1 over any number of steps. Without spin every bit of q stays.
   const vd square = square_of(p);
@@ -81,7 +81,7 @@ inline void advance_strain(const Mat3<vd>& F, const Mat3<vd>& dF, Frame& q, Sym3
   const vd wz = half * (G.a[1][0] - G.a[0][1]);
   // (1, w/4) q, the frame half-way, is the mean of q and p = (1, w/2) q. The length of q is 1, and p - q is
   // perpendicular to q.
-  const Frame p = turned(q, wx, wy, wz), twice_half{q.w + p.w, q.x + p.x, q.y + p.y, q.z + p.z};
+  const Frame p = unnormalised_product(q, wx, wy, wz), twice_half{q.w + p.w, q.x + p.x, q.y + p.y, q.z + p.z};
   const vd square = 0.25 * (3.0 + square_of(p));
   const vd two = all_next_to_one(square) ? 0.5 * inverse_next_to_one(square) : 0.5 / square;
   strain = strain + rotate_back(rotation_matrix(twice_half, two), de);

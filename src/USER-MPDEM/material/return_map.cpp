@@ -83,9 +83,9 @@ TensorDamage::TrialState TensorDamage::evaluate(Search& s, const Sym3<vd>& D) co
 
 // Derivative of the excess by D. The derivative of Y is symmetric, as a second derivative of the energy. That of
 // <Y>_+:<Y>_+/2 is <Y>_+. So one derivative of Y, along the drive, gives the derivative of Yeq in all directions.
-Sym3<vd> TensorDamage::gradient(Search& s, const TrialState& x) const {
+Sym3<vd> TensorDamage::gradient_of_excess(Search& s, const TrialState& x) const {
   ++s.evaluations;
-  const Sym3<vd> G = splat(std::sqrt(0.5)) * slope(x.state, unit(x.drive));
+  const Sym3<vd> G = splat(std::sqrt(0.5)) * derivative_of_Y(x.state, unit(x.drive));
   if (!any(s.softening != 0.0)) return G;
   const LargestEigenvalue top = largest_eigenvalue_and_slope(x.D);
   return G - ((x.Yeq - x.excess) * s.softening / (1.0 - top.value)) * top.slope;
@@ -134,7 +134,7 @@ Sym3<vd> TensorDamage::direction(Search& s, const Sym3<vd>& strain_start, const 
 // and slope there and the value that the first step led to. Then secants follow: their slopes are as good as the
 // derivative and save an evaluation each. A lane ends when the next step would be below the tolerance. Returns the
 // lanes that are not sure of their root.
-vmask TensorDamage::near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N, vmask lanes, Found& found) const {
+vmask TensorDamage::root_by_secants(Search& s, vd excess, vd slope, const Sym3<vd>& N, vmask lanes, Found& found) const {
   vd delta = -excess / slope, step = delta;
   vmask open = lanes & (slope < 0.0) & ~at_cutoff(s.damage + delta * N), done = splat_mask(false);
   for (int k = 0; any(open) && k < kMostSteps; ++k) {
@@ -178,7 +178,7 @@ vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vd limit,
     const vmask above = x.excess > 0.0;
     low = select(above, delta, low);
     high = select(above, high, delta);
-    const vd slope = contract(gradient(s, x), N), newton = delta - x.excess / slope;
+    const vd slope = contract(gradient_of_excess(s, x), N), newton = delta - x.excess / slope;
     const vmask good = (slope < 0.0) & (newton >= low) & (newton <= high) & splat_mask(k < 20);
     const vd next = select(good, newton, 0.5 * (low + high));
     const vmask converged = lanes & (missing | (abs(next - delta) <= kTolerance));
@@ -192,22 +192,22 @@ vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vd limit,
 
 // Both searches return the lanes that fail: small_step() near the surface, jump() far beyond it.
 vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const TrialState& x, vmask lanes, Found& found) const {
-  const Sym3<vd> G = gradient(s, x), N = direction(s, strain_start, x, G, lanes);
+  const Sym3<vd> G = gradient_of_excess(s, x), N = direction(s, strain_start, x, G, lanes);
   const vd along = contract(G, N);
-  vmask unsure = near_root(s, x.excess, along, N, lanes, found);
-  if (!any(unsure)) return splat_mask(false);
+  vmask open = root_by_secants(s, x.excess, along, N, lanes, found);
+  if (!any(open)) return splat_mask(false);
   const vd limit = largest_growth(s.damage, N);
   vmask failed = splat_mask(false);
   if (p_.exponent >= 0.0) {
     // Next to the surface there is one root at most (kNearSurface) if the threshold does not fall with damage. So one evaluation
     // at the end of the range tells whether the root lies before it.
     const TrialState end = evaluate(s, s.damage + limit * N);
-    failed = unsure & (along < 0.0) & (end.excess > 0.0);
+    failed = open & (along < 0.0) & (end.excess > 0.0);
     found.take(failed, end);
-    unsure &= ~failed;
+    open &= ~failed;
   }
-  if (!any(unsure)) return failed;
-  return failed | first_root(s, N, select(along < 0.0, -0.5 * x.excess / along, vd{}), limit, unsure, found);
+  if (!any(open)) return failed;
+  return failed | first_root(s, N, select(along < 0.0, -0.5 * x.excess / along, vd{}), limit, open, found);
 }
 
 vmask TensorDamage::jump(Search& s, vmask lanes, Found& found) const {

@@ -187,21 +187,21 @@ void TensorDamage::state_from_tensor(const double* D, double* state) const {
 
 TensorDamage::Evaluation TensorDamage::evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
   const EffectiveStrain<vd> effective(damage);
-  const Mat3<vd> strain_A = effective.amplified(strain);
-  const Sym3<vd> stress_e = elasticity().stress(effective.reduced(strain_A));
-  const Mat3<vd> stress_A = effective.amplified(stress_e);
-  return {effective, strain_A, stress_A, stress_e, effective.reduced(stress_A), sym_product_transposed(stress_A, strain_A)};
+  const Mat3<vd> phi_strain = effective.amplified(strain);
+  const Sym3<vd> stress_e = elasticity().stress(effective.reduced(phi_strain));
+  const Mat3<vd> phi_stress = effective.amplified(stress_e);
+  return {effective, phi_strain, phi_stress, stress_e, effective.reduced(phi_stress), sym_product_transposed(phi_stress, phi_strain)};
 }
 
-Sym3<vd> TensorDamage::slope(const Evaluation& s, const Sym3<vd>& N) const {
+Sym3<vd> TensorDamage::derivative_of_Y(const Evaluation& s, const Sym3<vd>& N) const {
   const Sym3<vd>& K = s.effective.K();
   // Derivatives along N, with dA = -N. That of phi eps_e is W. It is skew, since the symmetric part of phi eps_e is the strain. W makes
   // the derivative A W - N phi eps_e of eps_e symmetric. Q is the derivative of phi sigma, by the same condition on that of sigma.
-  const Mat3<vd> NP = product(N, s.strain_A), NQ = product(N, s.stress_A);
+  const Mat3<vd> NP = product(N, s.phi_strain), NQ = product(N, s.phi_stress);
   const Mat3<vd> W = plus(Sym3<vd>{}, K * twice_axial(NP));
   const Sym3<vd> stress_e = elasticity().stress(symmetric_product(s.effective.A(), W) - upper(NP));
   const Mat3<vd> Q = plus(stress_e, K * (commutator(stress_e, s.effective.A()) + twice_axial(NQ)));
-  return sym_product_transposed(Q, s.strain_A) + sym_product_transposed(s.stress_A, W);
+  return sym_product_transposed(Q, s.phi_strain) + sym_product_transposed(s.phi_stress, W);
 }
 
 vd TensorDamage::drive_by(Sym3<vd>& Y) const {

@@ -155,12 +155,12 @@ class TensorDamage final : public LawOf<TensorDamage> {
  private:
   struct Evaluation {
     EffectiveStrain<vd> effective;
-    Mat3<vd> strain_A, stress_A;   // phi eps_e and phi sigma, with phi = A^-1
-    Sym3<vd> stress_e, stress, Y;  // sigma_e, sigma, and Y with its negative part, see drive_by()
+    Mat3<vd> phi_strain, phi_stress;  // phi eps_e and phi sigma, with phi = A^-1
+    Sym3<vd> stress_e, stress, Y;     // sigma_e, sigma, and Y with its negative part, see drive_by()
   };
   __attribute__((noinline)) Evaluation evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
   // Derivative of Y along N.
-  Sym3<vd> slope(const Evaluation& s, const Sym3<vd>& N) const;
+  Sym3<vd> derivative_of_Y(const Evaluation& s, const Sym3<vd>& N) const;
   // Replaces Y by the part that drives (its positive part if monotone) and returns its Yeq.
   vd drive_by(Sym3<vd>& Y) const;
   vd tension_weight(const Sym3<vd>& stress_e) const;
@@ -173,11 +173,11 @@ class TensorDamage final : public LawOf<TensorDamage> {
   struct TrialState;
   struct Found;
   TrialState evaluate(Search& s, const Sym3<vd>& D) const;
-  Sym3<vd> gradient(Search& s, const TrialState& x) const;
+  Sym3<vd> gradient_of_excess(Search& s, const TrialState& x) const;
   Sym3<vd> direction(Search& s, const Sym3<vd>& strain_start, const TrialState& x, const Sym3<vd>& G, vmask lanes) const;
   vmask small_step(Search& s, const Sym3<vd>& strain_start, const TrialState& x, vmask lanes, Found& found) const;
   vmask jump(Search& s, vmask lanes, Found& found) const;
-  vmask near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N, vmask lanes, Found& found) const;
+  vmask root_by_secants(Search& s, vd excess, vd slope, const Sym3<vd>& N, vmask lanes, Found& found) const;
   vmask first_root(Search& s, const Sym3<vd>& N, vd start, vd limit, vmask lanes, Found& found) const;
 
   DamageParameters p_;

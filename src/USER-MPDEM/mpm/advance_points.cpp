@@ -27,7 +27,7 @@ inline void advance_block(PointStore& points, int b, const W& s, const Grid& gri
 
   const Sym3<vd> strain_start = p.strain;
   // A failed point may be turned inside out, so its state is frozen.
-  if (m.failed) dF = keep(lanes(m.failed), Mat3<vd>{}, dF);
+  if (m.failed) dF = blend(lanes(m.failed), Mat3<vd>{}, dF);
   advance_strain(p.F, dF, p.q, p.strain);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) p.F.a[i][j] += dF.a[i][j];

@@ -180,7 +180,7 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
     clock.gathered();
 
     const Sym3<vd> strain_start = p.strain;
-    if (m.failed) dL = keep(lanes(m.failed), Mat3<vd>{}, dL);
+    if (m.failed) dL = blend(lanes(m.failed), Mat3<vd>{}, dL);
     advance_strain(unit(), dL, p.q, p.strain);
     Sym3<vd> stress;
     const bool known = stress_at_end(

@@ -64,9 +64,9 @@ class BondMechanism {
   virtual void add_damping_power(const Grid&, const BondEnd*, Power&) const {}
   virtual void add_friction_power(const Grid&, Power&) const {}
 
-  // Called when the grains to which nodes are connected changed. held: connected_grains_of_nodes() of coupling/relative_damping.h,
+  // Called when the grains to which nodes are connected changed. connected: connected_grains_of_nodes() of coupling/relative_damping.h,
   // empty for a bond that is not separated.
-  virtual void follow_grains(const Grid&, const BondRecord&, const std::vector<char>& /* held */) {}
+  virtual void follow_grains(const Grid&, const BondRecord&, const std::vector<char>& /* connected */) {}
   // Returns what is wrong with the state, or an empty text. Collective among the ranks that share the nodes.
   virtual std::string trouble(const PointStore&, Grid&, long /* step */) const { return std::string(); }
   virtual std::size_t memory_usage() const = 0;

@@ -26,7 +26,7 @@ enum class AxisRule { none, radial, bond, global };
 struct BondRecord {
   int grain[2] = {0, 0};                                    // tags, ascending
   double origin[3] = {0, 0, 0};                             // origin of the coordinates of the bond, in the box
-  double turn[4] = {1, 0, 0, 0};                            // quaternion, rotates from the axes of the bond to those of the box
+  double axes[4] = {1, 0, 0, 0};                            // quaternion, rotates from the axes of the bond to those of the box
   double radius[2] = {0, 0};                                // radii of the grains
   double centre[2][3] = {{0, 0, 0}, {0, 0, 0}};             // centres of the grains, from the origin
   double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // orientations of the grains at creation, to the axes of the bond
@@ -60,7 +60,7 @@ struct BondRecord {
     visit("the ID of its second grain, the larger one,", b.grain[1],
           from(b.grain[0] < kLargestInt ? b.grain[0] + 1.0 : kLargestInt, kLargestInt));
     visit("its origin", b.origin, kFinite);
-    visit.rotation("its axes", b.turn);
+    visit.rotation("its axes", b.axes);
     visit("the radius of a grain", b.radius, kPositive);
     visit("the centre of a grain", b.centre, kFinite);
     for (auto& q : b.orientation) visit.rotation("the orientation of a grain", q);
@@ -92,7 +92,7 @@ struct BondRecord {
 inline double share_to_middle(const BondRecord& record, double distance) {
   return 0.5 + 0.5 * (record.radius[0] - record.radius[1]) / distance;
 }
-inline Mat3<double> axes_of(const BondRecord& record) { return rotation_of(record.turn); }
+inline Mat3<double> axes_of(const BondRecord& record) { return rotation_of(record.axes); }
 // Converts coordinates of a bond to those of the box. axes: axes_of(record).
 inline std::array<double, 3> position_in_box(const BondRecord& record, const Mat3<double>& axes, const double* X) {
   std::array<double, 3> x = turned(axes, X);

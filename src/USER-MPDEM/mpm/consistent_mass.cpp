@@ -20,9 +20,9 @@ vd mass_of(const PointBlock& p, const BlockMeta& m, MassOf which, double density
 void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale,
                          const std::vector<double>& field, std::vector<double>& out) {
   std::vector<double> completed;
-  if (!grid.ties.empty()) {
+  if (!grid.constraints.empty()) {
     completed = field;
-    grid.ties.mean_of_mass_receivers(completed.data(), 3);
+    grid.constraints.mean_of_mass_receivers(completed.data(), 3);
   }
   const double* of_nodes = completed.empty() ? field.data() : completed.data();
   const double inverse_h = 1.0 / grid.h;
@@ -40,7 +40,7 @@ void add_consistent_mass(const PointStore& points, const Grid& grid, double dens
       });
     }
   });
-  grid.ties.add_to_mass_receivers(out.data(), 3);
+  grid.constraints.add_to_mass_receivers(out.data(), 3);
 }
 
 void ConsistentMass::find_inertial_force(const PointStore& points, Grid& grid, double density) {
@@ -55,7 +55,7 @@ void ConsistentMass::find_inertial_force(const PointStore& points, Grid& grid, d
         });
       }
     });
-    grid.ties.add_to_mass_receivers(row_sums_.data(), 1);
+    grid.constraints.add_to_mass_receivers(row_sums_.data(), 1);
   }
   std::vector<double>& force = grid.inertial_force;
   force.resize(grid.acceleration.size());

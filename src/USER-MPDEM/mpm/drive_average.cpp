@@ -12,14 +12,14 @@
 
 namespace mpdem {
 
-SmoothingPasses sweeps_for(double length, double cell, Basis basis) {
+SmoothingPasses smoothing_passes_for(double length, double cell, Basis basis) {
   const double ratio = length / cell, degree_plus_1 = support(basis);
-  const double sweeps = (ratio * ratio - degree_plus_1 / 12.0) / (degree_plus_1 / 6.0);
+  const double passes = (ratio * ratio - degree_plus_1 / 12.0) / (degree_plus_1 / 6.0);
   // A tiny remainder is rounding.
-  const int whole = static_cast<int>(sweeps * (1.0 + 1e-9));
-  const double rest = sweeps - whole;
+  const int whole = static_cast<int>(passes * (1.0 + 1e-9));
+  const double rest = passes - whole;
   if (whole == 0) return {1, 1.0};  // L equals the cell, up to rounding
-  return rest > 1e-6 * sweeps ? SmoothingPasses{whole + 1, rest} : SmoothingPasses{whole, 1.0};
+  return rest > 1e-6 * passes ? SmoothingPasses{whole + 1, rest} : SmoothingPasses{whole, 1.0};
 }
 
 bool is_near_threshold(const PointStore& points, const Law& law) {
@@ -50,14 +50,14 @@ int count_intact(const PointStore& points) {
 
 bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, const Imperfection& imperfection) {
   const int count = count_intact(points);
-  const bool anew = !points_fixed_ || grid.drive_average.empty() || count != holding_;
+  const bool anew = !points_fixed_ || grid.drive_average.empty() || count != intact_at_start_;
   if (anew) {
     of_points_.find(points, grid);
     counted_volumes_.resize(points.blocks.size());
     for (std::size_t b = 0; b < counted_volumes_.size(); ++b)
       counted_volumes_[b] = points.blocks[b].volume * imperfection.of_root(points.created_at(static_cast<int>(b)));
   }
-  holding_ = count;
+  intact_at_start_ = count;
   sum_.assign(grid.size() + ScalarSums::kRoom, 0.0);
   with_law(law, [&](const auto& l) {
     using L = std::decay_t<decltype(l)>;
@@ -68,7 +68,7 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, c
           },
           sum_.data());
   });
-  grid.ties.add_to_mass_receivers(sum_.data(), 1);
+  grid.constraints.add_to_mass_receivers(sum_.data(), 1);
   mean_.assign(sum_.size(), 0.0);
   return anew;
 }
@@ -76,27 +76,27 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, c
 void DriveAverage::find_volumes(const Grid& grid) {
   volume_.assign(grid.size() + ScalarSums::kRoom, 0.0);
   of_points_.add_volumes(volume_.data());
-  grid.ties.add_to_mass_receivers(volume_.data(), 1);
+  grid.constraints.add_to_mass_receivers(volume_.data(), 1);
   volume_is_new_ = true;
 }
 
-void DriveAverage::sweep(Grid& grid, const SmoothingPasses& sweeps, int k) {
+void DriveAverage::smooth(Grid& grid, const SmoothingPasses& passes, int k) {
   const std::size_t nodes = grid.size();
   if (volume_is_new_) {
     inverse_volume_.resize(nodes);
     for (std::size_t i = 0; i < nodes; ++i) inverse_volume_[i] = volume_[i] > 0.0 ? 1.0 / volume_[i] : 0.0;
     volume_is_new_ = false;
   }
-  const double weight = sweeps.weight(k);
+  const double weight = passes.weight(k);
   for (std::size_t i = 0; i < nodes; ++i) mean_[i] = (1.0 - weight) * mean_[i] + weight * sum_[i] * inverse_volume_[i];
-  grid.ties.mean_of_mass_receivers(mean_.data(), 1);
-  if (sweeps.is_last(k)) {
+  grid.constraints.mean_of_mass_receivers(mean_.data(), 1);
+  if (passes.is_last(k)) {
     grid.drive_average.assign(mean_.begin(), mean_.begin() + nodes);
     return;
   }
   std::fill(sum_.begin(), sum_.end(), 0.0);
   of_points_.add_means(mean_.data(), sum_.data());
-  grid.ties.add_to_mass_receivers(sum_.data(), 1);
+  grid.constraints.add_to_mass_receivers(sum_.data(), 1);
 }
 
 double DriveAverage::largest(const PointStore& points, const Grid& grid) {

@@ -53,7 +53,7 @@ struct SmoothingPasses {
   bool is_last(int k) const { return k == count - 1; }
   double weight(int k) const { return is_last(k) ? last_weight : 1.0; }
 };
-SmoothingPasses sweeps_for(double length, double cell, Basis basis);
+SmoothingPasses smoothing_passes_for(double length, double cell, Basis basis);
 
 // True if a bound of the driving force of some unfailed point reaches kNearThreshold times the lowest threshold.
 bool is_near_threshold(const PointStore& points, const Law& law);
@@ -65,17 +65,17 @@ vd average_at(const Grid& grid, const BlockMeta& m, const W& s) {
 }
 
 // Average of one bond. find() is for a bond whose points are all on this rank. Otherwise the caller must sum over the
-// ranks: sums() after start(), volumes() after find_volumes(), and sums() after every sweep() but the last.
+// ranks: sums() after start(), volumes() after find_volumes(), and sums() after every smooth() but the last.
 class DriveAverage {
  public:
-  void find(const PointStore& points, Grid& grid, const Law& law, const SmoothingPasses& sweeps, const Imperfection& imperfection = {}) {
+  void find(const PointStore& points, Grid& grid, const Law& law, const SmoothingPasses& passes, const Imperfection& imperfection = {}) {
     if (start(points, grid, law, imperfection)) find_volumes(grid);
-    for (int k = 0; k < sweeps.count; ++k) sweep(grid, sweeps, k);
+    for (int k = 0; k < passes.count; ++k) smooth(grid, passes, k);
   }
   // Sets whether points keep their reference positions (default: no). If so, start() finds their weights anew only if a point failed
   // since the last start(), or if the grid has no average. The grid loses its average when nodes or constraints change, which they do
   // whenever points get other lanes or blocks.
-  void set_points_fixed(bool stand) { points_fixed_ = stand; }
+  void set_points_fixed(bool fixed) { points_fixed_ = fixed; }
   // Scatters the roots of the norms to the nodes. Returns true if the weights are new. Then find_volumes() must follow.
   bool start(const PointStore& points, Grid& grid, const Law& law, const Imperfection& imperfection);
   // Finds the volumes of the nodes from the points of this rank. For a bond on several ranks it must always follow
@@ -83,7 +83,7 @@ class DriveAverage {
   void find_volumes(const Grid& grid);
   // Does smoothing pass k. Between two of them the average is gathered at the points and scattered back. The last one
   // sets grid.drive_average, which the pass over the points interpolates with the weights that it has anyway.
-  void sweep(Grid& grid, const SmoothingPasses& sweeps, int k);
+  void smooth(Grid& grid, const SmoothingPasses& passes, int k);
 
   // Sets grid.drive_limit and clears grid.drive_average if `largest`, the largest average on all ranks, is below the
   // threshold. Else there are no limits. An average is a mean of roots with weights that are not negative. So it grows
@@ -109,7 +109,7 @@ class DriveAverage {
   std::vector<double> volume_, sum_, mean_;  // the same, padded, see scalar_sums.h
   bool volume_is_new_ = false;               // inverse_volume_ is not updated yet
   std::vector<vd> counted_volumes_;          // of each block: volumes times the factor of the imperfection
-  int holding_ = -1;                         // number of unfailed points of this rank at the last start()
+  int intact_at_start_ = -1;                 // number of unfailed points of this rank at the last start()
   ScalarSums of_points_;
 };
 

@@ -56,7 +56,7 @@ class Resolver {  // replaces masters that are constrained by their own masters
  public:
   Resolver(const Next& next, const std::map<Key, Code>& codes) : next_(next), codes_(codes) {}
 
-  const ExtensionConstraint& tie(const Key& k) {
+  const ExtensionConstraint& constraint_of(const Key& k) {
     const auto known = done_.find(k);
     if (known != done_.end()) return known->second;
     ExtensionConstraint t;
@@ -72,7 +72,7 @@ class Resolver {  // replaces masters that are constrained by their own masters
         if (next) add(shares, master, share);
         return;
       }
-      const ExtensionConstraint& behind = tie(master);
+      const ExtensionConstraint& behind = constraint_of(master);
       for (const auto& m : behind.masters) add(weights, m.first, weight * m.second);
       if (next)
         for (const auto& h : behind.mass_receivers) add(shares, h.first, share * h.second);
@@ -171,11 +171,11 @@ std::vector<ExtensionConstraint> find_extension_constraints(MPI_Comm comm, Basis
     const int mine = !open.empty();
     MPI_Allreduce(&mine, &more, 1, MPI_INT, MPI_MAX, comm);
   }
-  std::vector<ExtensionConstraint> ties;
+  std::vector<ExtensionConstraint> constraints;
   Resolver resolver(nodes.next, codes);
   for (std::size_t i = 0; i < keys.size(); ++i)
-    if (own[i] != 0.0) ties.push_back(resolver.tie(keys[i]));
-  return ties;
+    if (own[i] != 0.0) constraints.push_back(resolver.constraint_of(keys[i]));
+  return constraints;
 }
 
 }  // namespace mpdem

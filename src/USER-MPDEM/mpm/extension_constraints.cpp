@@ -79,14 +79,14 @@ std::size_t ExtensionConstraints::Rows::memory_usage() const {
   return first_.memory_usage() + node_.memory_usage() + first_weight_.memory_usage() + weight_.memory_usage();
 }
 
-void ExtensionConstraints::bind(const std::vector<ExtensionConstraint>& ties, const std::vector<Key>& keys, bool chained) {
+void ExtensionConstraints::bind(const std::vector<ExtensionConstraint>& constraints, const std::vector<Key>& keys, bool chained) {
   clear();
   const auto node = [&keys](const Key& k) {
     const int n = index_of(keys, k);
     if (n < 0) throw std::logic_error("a tie to a node that the grid does not have");
     return n;
   };
-  for (const ExtensionConstraint& t : ties) {
+  for (const ExtensionConstraint& t : constraints) {
     constrained_.push_back(node(t.constrained));
     for (const auto& h : t.mass_receivers) mass_receivers_.add(node(h.first), h.second);
     mass_receivers_.end_row();
@@ -99,20 +99,20 @@ void ExtensionConstraints::bind(const std::vector<ExtensionConstraint>& ties, co
   constrained_.shrink_to_fit();
   mass_receivers_.shrink_to_fit();
   masters_.shrink_to_fit();
-  if (chained) bind_chain(ties, keys);
+  if (chained) bind_chain(constraints, keys);
 }
 
 // Makes the chain unless some node behind is not known or not on this rank.
-void ExtensionConstraints::bind_chain(const std::vector<ExtensionConstraint>& ties, const std::vector<Key>& keys) {
-  const int count = static_cast<int>(ties.size());
-  std::vector<std::vector<std::pair<int, double>>> behind(ties.size());
+void ExtensionConstraints::bind_chain(const std::vector<ExtensionConstraint>& constraints, const std::vector<Key>& keys) {
+  const int count = static_cast<int>(constraints.size());
+  std::vector<std::vector<std::pair<int, double>>> behind(constraints.size());
   for (int t = 0; t < count; ++t) {
-    for (const auto& b : ties[t].behind) behind[t].emplace_back(index_of(keys, b.first), b.second);
+    for (const auto& b : constraints[t].behind) behind[t].emplace_back(index_of(keys, b.first), b.second);
     if (behind[t].empty() || std::any_of(behind[t].begin(), behind[t].end(), [](const auto& b) { return b.first < 0; })) return;
   }
   // Nodes whose nodes behind are free come first. There are no cycles.
   const std::vector<int> row = row_of_each(static_cast<int>(keys.size()));
-  std::vector<int> depth(ties.size(), -1);
+  std::vector<int> depth(constraints.size(), -1);
   const std::function<int(int)> find_depth = [&](int t) {
     if (depth[t] >= 0) return depth[t];
     int d = 0;
@@ -120,7 +120,7 @@ void ExtensionConstraints::bind_chain(const std::vector<ExtensionConstraint>& ti
       if (row[b.first] >= 0) d = std::max(d, 1 + find_depth(row[b.first]));
     return depth[t] = d;
   };
-  std::vector<int> order(ties.size());
+  std::vector<int> order(constraints.size());
   for (int t = 0; t < count; ++t) {
     order[t] = t;
     find_depth(t);
@@ -194,13 +194,13 @@ bool ExtensionConstraints::replace(const std::vector<int>& nodes, const std::vec
 }
 
 std::vector<ExtensionConstraint> ExtensionConstraints::by_key(const std::vector<Key>& keys) const {
-  std::vector<ExtensionConstraint> ties(constrained_.size());
+  std::vector<ExtensionConstraint> constraints(constrained_.size());
   for (std::size_t t = 0; t < size(); ++t) {
-    ties[t].constrained = keys[constrained_[t]];
-    masters_.for_each(t, [&](int node, double weight) { ties[t].masters.emplace_back(keys[node], weight); });
-    mass_receivers_.for_each(t, [&](int node, double share) { ties[t].mass_receivers.emplace_back(keys[node], share); });
+    constraints[t].constrained = keys[constrained_[t]];
+    masters_.for_each(t, [&](int node, double weight) { constraints[t].masters.emplace_back(keys[node], weight); });
+    mass_receivers_.for_each(t, [&](int node, double share) { constraints[t].mass_receivers.emplace_back(keys[node], share); });
   }
-  return ties;
+  return constraints;
 }
 
 namespace {

@@ -59,7 +59,7 @@ class ExtensionConstraints {
  public:
   // The constrained nodes must ascend. Throws std::logic_error if they do not, or if a node is not among the keys.
   // chained: make the chain, see below. No other rank may then have nodes of the grid.
-  void bind(const std::vector<ExtensionConstraint>& ties, const std::vector<Key>& keys, bool chained = false);
+  void bind(const std::vector<ExtensionConstraint>& constraints, const std::vector<Key>& keys, bool chained = false);
   void clear();
   // Follows nodes that got other indices. Their order must be the same.
   void renumber(const std::vector<int>& new_index);
@@ -153,7 +153,7 @@ class ExtensionConstraints {
   };
   void append(const ExtensionConstraints& other, int row);
   void append_sharing_weights(const ExtensionConstraints& other, int first, int end);
-  void bind_chain(const std::vector<ExtensionConstraint>& ties, const std::vector<Key>& keys);
+  void bind_chain(const std::vector<ExtensionConstraint>& constraints, const std::vector<Key>& keys);
   template <class T>
   void gather_to_masters_as(double* values) const;
   bool is_chained() const { return !chain_constrained_.empty(); }

@@ -174,7 +174,7 @@ void Grid::set_motion(GridRequest& r, const std::vector<Key>& wanted, const std:
   force.assign(3 * n, 0.0);
   momentum.clear();
   forget_averages();
-  ties.clear();
+  constraints.clear();
   any_constraints_ = false;
   constraint_factor_.clear();
   largest_constraint_factor_ = 1.0;
@@ -305,7 +305,7 @@ std::vector<int> Grid::add_nodes(const std::vector<Key>& more) {
   spread(mass.own(), 1, new_index, keys.size(), 0.0);
   constraint_factor_.clear();
   spread(given_volume, 1, new_index, keys.size(), -1.0);
-  ties.renumber(new_index);
+  constraints.renumber(new_index);
   for (int& i : aliases) i = new_index[i];
   halo.resize(keys.size());
   return new_index;
@@ -345,16 +345,16 @@ void Grid::find_columns(BlockMeta& m) const {
     }
 }
 
-bool Grid::find_constraints_anew(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted) {
+bool Grid::replace_constraints(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted) {
   constraint_factor_.clear();
   forget_averages();
-  const bool freed = ties.replace(nodes, wanted, keys);
-  any_constraints_ = any_constraints_ || !ties.empty();
+  const bool freed = constraints.replace(nodes, wanted, keys);
+  any_constraints_ = any_constraints_ || !constraints.empty();
   return freed;
 }
 
-void Grid::tie(const std::vector<ExtensionConstraint>& wanted, bool any, bool chained) {
-  ties.bind(wanted, keys, chained && !halo.shares_any());
+void Grid::constrain(const std::vector<ExtensionConstraint>& wanted, bool any, bool chained) {
+  constraints.bind(wanted, keys, chained && !halo.shares_any());
   forget_averages();
   any_constraints_ = any;
 }
@@ -386,10 +386,10 @@ void Grid::lump_mass(const PointStore& points, double density) {
   largest_constraint_factor_ = 1.0;
   if (any_constraints_) {
     constraint_factor_ = mass;
-    ties.scale_by_weight_sums(constraint_factor_.data());
-    ties.gather_sizes_to_masters(constraint_factor_.data());
+    constraints.scale_by_weight_sums(constraint_factor_.data());
+    constraints.gather_sizes_to_masters(constraint_factor_.data());
   }
-  ties.add_to_mass_receivers(mass.data(), 1);
+  constraints.add_to_mass_receivers(mass.data(), 1);
   halo.sum(mass.data(), 1);
   // If points end just at the support of a node, rounding leaves a tiny mass there. No time step is stable for that
   // mass, and the force is of the order of its root. The mass is set to zero: a node without inertia does not
@@ -399,7 +399,7 @@ void Grid::lump_mass(const PointStore& points, double density) {
     if (m < kRounding * density * h * h * h) m = 0.0;
   if (any_constraints_) {
     halo.sum(constraint_factor_.data(), 1);
-    const std::vector<int> row = ties.row_of_each(size());
+    const std::vector<int> row = constraints.row_of_each(size());
     std::size_t kept = 0;
     for (int i = 0; i < size(); ++i) {
       if (row[i] >= 0) continue;
@@ -429,7 +429,7 @@ void Grid::update_acceleration(const SharedList<double>& added_mass) {
 }
 
 void Grid::finish_accelerations() {
-  ties.extend(force.data());
+  constraints.extend(force.data());
   force.swap(acceleration);
 }
 
@@ -455,7 +455,7 @@ void Grid::drift(double dt_v, double dt_u) {
 
 void Grid::share(AlikeLists& alike) {
   alike.share(mass);
-  ties.share(alike);
+  constraints.share(alike);
 }
 
 std::size_t Grid::memory_usage() const {
@@ -463,7 +463,7 @@ std::size_t Grid::memory_usage() const {
          sizeof(double) *
              (velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() +
               inertial_force.capacity() + constraint_factor_.capacity() + given_volume.capacity() + drive_average.capacity()) +
-         sizeof(vd) * drive_limit.capacity() + sizeof(int) * aliases.capacity() + ties.memory_usage();
+         sizeof(vd) * drive_limit.capacity() + sizeof(int) * aliases.capacity() + constraints.memory_usage();
 }
 
 bool Grid::is_at_rest() const {

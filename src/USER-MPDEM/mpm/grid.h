@@ -48,7 +48,7 @@ class Grid {
   std::vector<double> velocity, displacement, force, acceleration;
   std::vector<double> momentum;        // of the points, `updated` kinematics only
   std::vector<double> inertial_force;  // (M_L - M) a, see consistent_mass.h; empty with the lumped mass alone
-  ExtensionConstraints ties;
+  ExtensionConstraints constraints;
   // Volume of each node from which its mass follows; -1 where the mass follows from the points. Empty if that is so at all nodes. See
   // fracture/phantom_nodes.h.
   std::vector<double> given_volume;
@@ -101,12 +101,12 @@ class Grid {
   void find_columns(BlockMeta& m) const;
   // Replaces the constraints of these nodes (ascending). Returns true if a node that was constrained at the edge is now
   // free or constrained in another way. Call lump_mass() then. No other rank may share the grid.
-  bool find_constraints_anew(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted);
+  bool replace_constraints(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted);
 
   // Constrains nodes of this rank until the next build(). Must be called before lump_mass(). any: true if some rank
-  // that shares the grid has constraints. chained: see ExtensionConstraints; false if find_constraints_anew() is to give the same
-  // result as tie().
-  void tie(const std::vector<ExtensionConstraint>& wanted, bool any, bool chained = true);
+  // that shares the grid has constraints. chained: see ExtensionConstraints; false if replace_constraints() is to give the same
+  // result as constrain().
+  void constrain(const std::vector<ExtensionConstraint>& wanted, bool any, bool chained = true);
 
   // Finds the lumped mass from the points, whose density is uniform, or from given_volume where that is set. The mass
   // of constrained nodes goes to their mass receivers. Collective among the ranks that share nodes.
@@ -116,14 +116,14 @@ class Grid {
 
   void clear_force();
   void sum_force() {
-    ties.gather_to_masters(force.data());
+    constraints.gather_to_masters(force.data());
     halo.sum(force.data(), 3);
   }
 
   // Constraints raise the bound of the largest eigenvalue (largest_eigenvalue.h) by a factor. constraint_factor() is the factor at a
   // node, and largest_constraint_factor() is the largest one of the nodes of this rank.
   double constraint_factor(int node) const {
-    return constraint_factor_.empty() || ties.row(node) >= 0 ? 1.0 : constraint_factor_[node - ties.rows_before(node)];
+    return constraint_factor_.empty() || constraints.row(node) >= 0 ? 1.0 : constraint_factor_[node - constraints.rows_before(node)];
   }
   double largest_constraint_factor() const { return largest_constraint_factor_; }
 

@@ -47,33 +47,33 @@ struct Moving {
     for (std::size_t n = 0; system.blocks && n < system.blocks->size(); ++n)
       for_each_node(grid, system.points->meta[(*system.blocks)[n]], [&](int i) { moves[i] = 1; });
     for (int i = 0; i < grid.size() && system.blocks; ++i)
-      if (const int row = moves[i] ? grid.ties.row(i) : -1; row >= 0) constrained_nodes.push_back({i, row});
-    for (const Constrained& s : constrained_nodes) grid.ties.for_each_master(s.row, [&](int master, double) { moves[master] = 1; });
+      if (const int row = moves[i] ? grid.constraints.row(i) : -1; row >= 0) constrained_nodes.push_back({i, row});
+    for (const Constrained& s : constrained_nodes) grid.constraints.for_each_master(s.row, [&](int master, double) { moves[master] = 1; });
     for (int i = 0; i < grid.size(); ++i)
       if (moves[i]) nodes.push_back(i);
   }
 
   void extend(const EigenvalueSystem& system, double* values) const {
-    const ExtensionConstraints& ties = system.grid->ties;
-    if (!system.blocks) return ties.extend(values);
+    const ExtensionConstraints& constraints = system.grid->constraints;
+    if (!system.blocks) return constraints.extend(values);
     for (const Constrained& s : constrained_nodes) {
       double sum[3] = {0.0, 0.0, 0.0};
-      ties.for_each_master(s.row, [&](int master, double weight) {
+      constraints.for_each_master(s.row, [&](int master, double weight) {
         for (int d = 0; d < 3; ++d) sum[d] += weight * values[3 * master + d];
       });
       std::copy(sum, sum + 3, values + 3 * s.node);
     }
   }
   void gather_to_masters(const EigenvalueSystem& system, double* values) const {
-    const ExtensionConstraints& ties = system.grid->ties;
-    if (!system.blocks) return ties.gather_to_masters(values);
+    const ExtensionConstraints& constraints = system.grid->constraints;
+    if (!system.blocks) return constraints.gather_to_masters(values);
     for (const Constrained& s : constrained_nodes) {
       double of_constrained[3];
       for (int d = 0; d < 3; ++d) {
         of_constrained[d] = values[3 * s.node + d];
         values[3 * s.node + d] = 0.0;
       }
-      ties.for_each_master(s.row, [&](int master, double weight) {
+      constraints.for_each_master(s.row, [&](int master, double weight) {
         for (int d = 0; d < 3; ++d) values[3 * master + d] += weight * of_constrained[d];
       });
     }

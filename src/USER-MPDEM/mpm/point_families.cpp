@@ -89,7 +89,7 @@ std::map<int, PointStore::Family> PointStore::families_that_divide(const std::ma
 }
 
 // Copies these blocks, without links and contact points.
-PointStore PointStore::some(const std::vector<int>& which) const {
+PointStore PointStore::copy_of_blocks(const std::vector<int>& which) const {
   PointStore s;
   s.reserve_like(*this, which.size());
   for (int b : which) s.append_copy(*this, b);
@@ -137,7 +137,7 @@ PointStore::LayerMove PointStore::move_to_layers(const std::map<int, int>& layer
   std::vector<int> sources;
   for (const auto& f : families) sources.push_back(f.first);
   for (int b = homes_; b < static_cast<int>(blocks.size()); ++b) sources.push_back(b);
-  const PointStore before = some(sources);
+  const PointStore before = copy_of_blocks(sources);
   std::map<int, int> new_index;
   for (std::size_t n = 0; n < sources.size(); ++n) new_index[sources[n]] = static_cast<int>(n);
 

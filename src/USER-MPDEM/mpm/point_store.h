@@ -295,7 +295,7 @@ class PointStore {
   std::vector<int> blocks_of_family(int home) const;
   // Returns the families that have one of these slots, by their home, with the new layers of the slots.
   std::map<int, Family> families_that_divide(const std::map<int, int>& layer_of_slot) const;
-  PointStore some(const std::vector<int>& which) const;
+  PointStore copy_of_blocks(const std::vector<int>& which) const;
   void append_copy(const PointStore& from, int b);
   void fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& new_index, std::vector<int>& new_slot,
                   double cell, Basis basis);

@@ -37,7 +37,7 @@ inline Mat3<vd> weighted_kirchhoff(const Frame& q, const Sym3<vd>& s, vd volume)
   return {{{g.xx, g.xy, g.xz}, {g.xy, g.yy, g.yz}, {g.xz, g.yz, g.zz}}};
 }
 
-inline Mat3<vd> keep(vmask m, const Mat3<vd>& a, const Mat3<vd>& b) {
+inline Mat3<vd> blend(vmask m, const Mat3<vd>& a, const Mat3<vd>& b) {
   Mat3<vd> r;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) r.a[i][j] = select(m, a.a[i][j], b.a[i][j]);
@@ -80,18 +80,19 @@ class PointStress {
       stress = law_.elasticity().stress(p.strain);
     } else {
       const BlockMeta& m = points_.meta[b];
-      if (m.damaged || always_) return damaged(b, strain_start, nonlocal_ ? average() : vd{}, stress);
+      if (m.damaged || always_) return stress_with_damage(b, strain_start, nonlocal_ ? average() : vd{}, stress);
       stress = law_.elasticity().stress(p.strain);
       const double B = m.linked ? weakest_ : B_;
       const vd rough = L::rough_bound(stress, p.strain);
       if (!nonlocal_)
-        return !any(rough > B * B) || !any(L::square_bound(stress, p.strain) > B * B) || damaged(b, strain_start, vd{}, stress);
+        return !any(rough > B * B) || !any(L::square_bound(stress, p.strain) > B * B) || stress_with_damage(b, strain_start, vd{}, stress);
       if (!result_.near_threshold) {
         const vd limit = limit_ ? limit_[b] : splat(square_near_);
-        if (any(rough > limit)) find_distance_to_threshold(L::square_bound(stress, p.strain), lanes(m.occupied), limit);
+        if (any(rough > limit)) note_near_threshold(L::square_bound(stress, p.strain), lanes(m.occupied), limit);
       }
       const vd of_drive = average();
-      if (any(lanes(m.occupied) & (of_drive > (m.linked ? root_weakest_ : root_B_)))) return damaged(b, strain_start, of_drive, stress);
+      if (any(lanes(m.occupied) & (of_drive > (m.linked ? root_weakest_ : root_B_))))
+        return stress_with_damage(b, strain_start, of_drive, stress);
     }
     return true;
   }
@@ -117,7 +118,7 @@ class PointStress {
   static constexpr int kVectors = kMost / kLanes + 1;
 
   // Does what operator() does, for a block that has damage or may get some. average: of the root of the norm of strain, if nonlocal.
-  __attribute__((noinline)) bool damaged(int b, const Sym3<vd>& strain_start, vd average, Sym3<vd>& stress) {
+  __attribute__((noinline)) bool stress_with_damage(int b, const Sym3<vd>& strain_start, vd average, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
     const BlockMeta& m = points_.meta[b];
     const vmask active = lanes(m.occupied & ~m.failed);
@@ -126,7 +127,7 @@ class PointStress {
     stress = blend(active, t.stress, Sym3<vd>{});
     if (nonlocal_) {
       if (!result_.near_threshold)
-        find_distance_to_threshold(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
+        note_near_threshold(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
       const vd root = root_of_norm(law_, p.strain);
       // It is found in each step of a block with damage, so it never belongs to an older strain.
       if (m.damaged) points_.keep_root_of_norm(b, root);
@@ -143,7 +144,7 @@ class PointStress {
     return false;
   }
 
-  void find_distance_to_threshold(vd square, vmask active, vd limit) { result_.near_threshold = any(active & (square > limit)); }
+  void note_near_threshold(vd square, vmask active, vd limit) { result_.near_threshold = any(active & (square > limit)); }
 
   // Copies lane k of `from` to lane l of `to`. Blocks, tensors and states are arrays of vectors, so a lane is every
   // eighth number.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kRoundingOfPositions = 1e-9;  // of the positions of points, in cells
 constexpr int kNone = -1;
-constexpr int kAlone = -2;  // while indices are found, single point n has the index kAlone - n
+constexpr int kSingle = -2;  // while indices are found, single point n has the index kSingle - n
 
 using v4 = double __attribute__((vector_size(32)));
 constexpr int kAlong = 4;  // weights along the column of a single point; no basis has more
@@ -121,7 +121,7 @@ inline double gather_alone(const double* f, const int* column, const double* wei
   return (of_nodes[0] + of_nodes[1]) + (of_nodes[2] + of_nodes[3]);
 }
 template <int S>
-inline void scatter_alone(double value, const int* column, const double* weight, double* sum) {
+inline void scatter_single(double value, const int* column, const double* weight, double* sum) {
   const v4 of_nodes = value * load<v4>(weight + S * S);
   for (int c = 0; c < S * S; ++c) store(sum + column[c], load<v4>(sum + column[c]) + weight[c] * of_nodes);
 }
@@ -155,15 +155,15 @@ void ScalarSums::find(const PointStore& points, const Grid& grid) {
   std::vector<int> cell_at(grid.size(), kNone);  // for the cell that begins at a node: slot of a point, later index in volume_
   find_points(points, grid.h, cell_at);
   make_runs(points, cell_at);
-  first_alone_ = static_cast<int>(kLanes * volume_.size());
-  volume_.resize(volume_.size() + (alone_ + kLanes - 1) / kLanes, vd{});
+  first_single_ = static_cast<int>(kLanes * volume_.size());
+  volume_.resize(volume_.size() + (single_ + kLanes - 1) / kLanes, vd{});
   double* volumes = reinterpret_cast<double*>(volume_.data());
   for (std::size_t n = 0; n < blocks_.size(); ++n)
     for (int l = 0; l < kLanes; ++l) {
       int& at = place_[n][l];
       if (at == kNone) continue;
       // Replaces what find_points() has set by the index of a double in volume_.
-      at = at >= 0 ? cell_at[at / kLanes] + kLanes * (at % kLanes) : first_alone_ + (kAlone - at);
+      at = at >= 0 ? cell_at[at / kLanes] + kLanes * (at % kLanes) : first_single_ + (kSingle - at);
       volumes[at] += points.blocks[blocks_[n]].volume[l];
     }
 }
@@ -172,7 +172,7 @@ void ScalarSums::find(const PointStore& points, const Grid& grid) {
 void ScalarSums::find_points(const PointStore& points, double h, std::vector<int>& cell_at) {
   blocks_.clear();
   place_.clear();
-  alone_ = 0;
+  single_ = 0;
   const double inverse_h = 1.0 / h, middle = cell_middle(basis_);
   for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b) {
     const PointBlock& p = points.blocks[b];
@@ -193,16 +193,16 @@ void ScalarSums::find_points(const PointStore& points, double h, std::vector<int
     const std::uint8_t others = intact & static_cast<std::uint8_t>(~in);
     if (others == 0) continue;
     with_basis(basis_, [&](auto type) {
-      with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) { add_alone(m, s, others, place_.back()); });
+      with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) { add_single(m, s, others, place_.back()); });
     });
   }
 }
 
 template <class W>
-void ScalarSums::add_alone(const BlockMeta& m, const W& s, std::uint8_t which, std::array<int, kLanes>& place) {
+void ScalarSums::add_single(const BlockMeta& m, const W& s, std::uint8_t which, std::array<int, kLanes>& place) {
   constexpr int S = W::kSupport, kColumns = S * S, kWeights = kColumns + kAlong;
   // The lists keep their length, since with `updated` they are filled in each step.
-  const std::size_t room = alone_ + kLanes;
+  const std::size_t room = single_ + kLanes;
   if (column_.size() < kColumns * room) {
     column_.resize(kColumns * 2 * room);
     weight_.resize(kWeights * 2 * room);
@@ -212,15 +212,15 @@ void ScalarSums::add_alone(const BlockMeta& m, const W& s, std::uint8_t which, s
     int off[3] = {0, 0, 0};
     if constexpr (W::kReach > 0)
       for (int d = 0; d < 3; ++d) off[d] = cell_of(m, l, d) - m.base[d];
-    int* column = &column_[kColumns * alone_];
-    double* weight = &weight_[kWeights * alone_];
+    int* column = &column_[kColumns * single_];
+    double* weight = &weight_[kWeights * single_];
     for (int i = 0; i < S; ++i)
       for (int j = 0; j < S; ++j) {
         column[S * i + j] = m.column[W::kJ * (off[0] + i) + off[1] + j] + off[2];
         weight[S * i + j] = s.w[0][off[0] + i][l] * s.w[1][off[1] + j][l];
       }
     for (int k = 0; k < kAlong; ++k) weight[kColumns + k] = k < S ? s.w[2][off[2] + k][l] : 0.0;
-    place[l] = kAlone - alone_++;
+    place[l] = kSingle - single_++;
   }
 }
 
@@ -251,8 +251,8 @@ void ScalarSums::add(const vd* values, double* sum) const {
     constexpr int S = decltype(type)::kSupport;
     const RunKernels<decltype(type)> kernels;
     for (const Run& r : runs_) kernels.scatter(r.column, r.cells, sum, [&](int first) { return values + r.first + first; });
-    const double* of_alone = reinterpret_cast<const double*>(values) + first_alone_;
-    for (int n = 0; n < alone_; ++n) scatter_alone<S>(of_alone[n], &column_[S * S * n], &weight_[(S * S + kAlong) * n], sum);
+    const double* of_single = reinterpret_cast<const double*>(values) + first_single_;
+    for (int n = 0; n < single_; ++n) scatter_single<S>(of_single[n], &column_[S * S * n], &weight_[(S * S + kAlong) * n], sum);
   });
 }
 
@@ -266,11 +266,11 @@ void ScalarSums::add_means(const double* mean, double* sum) const {
         kernels.gather(mean, r.column, first, &volume_[r.first + first], value);
         return value;
       });
-    const double* volume = reinterpret_cast<const double*>(volume_.data()) + first_alone_;
-    for (int n = 0; n < alone_; ++n) {
+    const double* volume = reinterpret_cast<const double*>(volume_.data()) + first_single_;
+    for (int n = 0; n < single_; ++n) {
       const int* column = &column_[S * S * n];
       const double* weight = &weight_[(S * S + kAlong) * n];
-      scatter_alone<S>(volume[n] * gather_alone<S>(mean, column, weight), column, weight, sum);
+      scatter_single<S>(volume[n] * gather_alone<S>(mean, column, weight), column, weight, sum);
     }
   });
 }

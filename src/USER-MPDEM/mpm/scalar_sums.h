@@ -30,7 +30,7 @@ class ScalarSums {
   // or lane, or nodes of the grid change.
   void find(const PointStore& points, const Grid& grid);
   // Number of single points, which are not in the lattice.
-  int alone() const { return alone_; }
+  int single() const { return single_; }
 
   // sum_I += sum over the points of V N_I
   void add_volumes(double* sum) const { add(volume_.data(), sum); }
@@ -61,7 +61,7 @@ class ScalarSums {
   int node_of_cell(const BlockMeta& m, int lane, int column) const;
   void find_points(const PointStore& points, double h, std::vector<int>& cell_at);
   template <class W>
-  void add_alone(const BlockMeta& m, const W& weights, std::uint8_t which, std::array<int, kLanes>& place);
+  void add_single(const BlockMeta& m, const W& weights, std::uint8_t which, std::array<int, kLanes>& place);
   void make_runs(const PointStore& points, std::vector<int>& cell_at);
   void add(const vd* values, double* sum) const;
 
@@ -70,7 +70,7 @@ class ScalarSums {
   // For the points of runs: eight vectors for eight cells, one for each position in a cell. A position has a bit for
   // each direction, 1 for the upper half, that of x the highest. Then for the single points.
   std::vector<vd> volume_, value_;
-  int first_alone_ = 0, alone_ = 0;             // index in volume_ of the first single point, and number of single points
+  int first_single_ = 0, single_ = 0;           // index in volume_ of the first single point, and number of single points
   std::vector<int> column_;                     // for each single point: first nodes of its columns; at the end padding
   std::vector<double> weight_;                  // for each single point: weights of its columns, and of the nodes of a column; then padding
   std::vector<int> blocks_;                     // blocks with intact points, ascending

@@ -69,8 +69,8 @@ void add_stiffness_diagonal(const PointStore& points, const Grid& grid, const La
       }
     });
   });
-  grid.ties.scale_by_weight_sums(own.data());  // |sum w x|^2 <= sum |w| sum |w| x^2
-  grid.ties.gather_sizes_to_masters(own.data());
+  grid.constraints.scale_by_weight_sums(own.data());  // |sum w x|^2 <= sum |w| sum |w| x^2
+  grid.constraints.gather_sizes_to_masters(own.data());
   for (int i = 0; i < grid.size(); ++i) diagonal[i] += own[i];
 }
 

@@ -71,12 +71,12 @@ class AlikeLists {
 
  private:
   void forget_unused() {
-    if (known_.size() < most_) return;
+    if (known_.size() < next_cleanup_size_) return;
     for (auto k = known_.begin(); k != known_.end();) k = k->second.expired() ? known_.erase(k) : std::next(k);
-    most_ = 2 * known_.size() + kFewest;
+    next_cleanup_size_ = 2 * known_.size() + kFewest;
   }
   static constexpr std::size_t kFewest = 1000;
-  std::size_t most_ = kFewest;  // number of lists at which the next search for unused ones is due
+  std::size_t next_cleanup_size_ = kFewest;  // number of lists at which the next search for unused ones is due
   std::map<std::pair<std::type_index, std::size_t>, std::weak_ptr<void>> known_;
 };
 

@@ -21,33 +21,33 @@ void HaloSum::build(MPI_Comm comm, Sharing shared, std::size_t size) {
   me_ = rank_in(comm);
   shared_ = std::move(shared);
   counts_here_.assign(size, 1);
-  union_.clear();
+  shared_items_.clear();
   for (std::size_t n = 0; n < shared_.ranks.size(); ++n) {
-    union_.insert(union_.end(), shared_.items[n].begin(), shared_.items[n].end());
+    shared_items_.insert(shared_items_.end(), shared_.items[n].begin(), shared_.items[n].end());
     if (shared_.ranks[n] < me_)
       for (int i : shared_.items[n]) counts_here_[i] = 0;
   }
-  sort_unique(union_);
+  sort_unique(shared_items_);
   const HaloSum* const self = this;
   messages_.build(&self, 1);
 }
 
-std::size_t HaloSum::shared_items() const { return union_.size(); }
+std::size_t HaloSum::shared_items() const { return shared_items_.size(); }
 
 // Sets the values of shared keys to zero. add_own() adds them again when it is the turn of this rank in the order of the ranks.
 void HaloSum::take_own(double* values, int width) const {
-  own_.resize(union_.size() * width);
-  for (std::size_t u = 0; u < union_.size(); ++u)
+  own_.resize(shared_items_.size() * width);
+  for (std::size_t u = 0; u < shared_items_.size(); ++u)
     for (int c = 0; c < width; ++c) {
-      double& v = values[static_cast<long>(union_[u]) * width + c];
+      double& v = values[static_cast<long>(shared_items_[u]) * width + c];
       own_[u * width + c] = v;
       v = 0.0;
     }
 }
 
 void HaloSum::add_own(double* values, int width) const {
-  for (std::size_t u = 0; u < union_.size(); ++u)
-    for (int c = 0; c < width; ++c) values[static_cast<long>(union_[u]) * width + c] += own_[u * width + c];
+  for (std::size_t u = 0; u < shared_items_.size(); ++u)
+    for (int c = 0; c < width; ++c) values[static_cast<long>(shared_items_[u]) * width + c] += own_[u * width + c];
 }
 
 void HaloSum::sum(double* values, int width) {

@@ -64,7 +64,7 @@ class HaloSum {
   int me_ = 0;
   Sharing shared_;
   std::vector<char> counts_here_;
-  std::vector<int> union_;           // indices of all keys that some other rank shares, ascending
+  std::vector<int> shared_items_;    // indices of all keys that some other rank shares, ascending
   mutable std::vector<double> own_;  // values of this rank, within a sum
   HaloMessages messages_;
 };

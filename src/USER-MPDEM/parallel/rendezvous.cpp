@@ -101,17 +101,17 @@ std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key
   // The homes collect which ranks have and want each key. Then they order the lowest rank that has it to send it to those that want it.
   const std::vector<Holder> have = gather_at_home(comm, keys);
   const std::vector<Holder> want = gather_at_home(comm, missing);
-  struct Order {
+  struct SendRequest {
     int holder_index, wanter, wanter_index;
   };
-  std::vector<std::vector<Order>> orders(ranks);
+  std::vector<std::vector<SendRequest>> requests(ranks);
   for (const Holder& w : want) {
     const auto it = std::lower_bound(have.begin(), have.end(), w.key, [](const Holder& a, const Key& k) { return a.key < k; });
-    if (it != have.end() && it->key == w.key) orders[it->rank].push_back({it->index, w.rank, w.index});
+    if (it != have.end() && it->key == w.key) requests[it->rank].push_back({it->index, w.rank, w.index});
   }
-  const std::vector<Order> mine = all_to_all(comm, orders).data;
+  const std::vector<SendRequest> mine = all_to_all(comm, requests).data;
   std::vector<std::vector<double>> out(ranks);
-  for (const Order& o : mine) {
+  for (const SendRequest& o : mine) {
     out[o.wanter].push_back(o.wanter_index);
     out[o.wanter].insert(out[o.wanter].end(), values.begin() + static_cast<long>(o.holder_index) * width,
                          values.begin() + static_cast<long>(o.holder_index + 1) * width);

@@ -28,7 +28,7 @@ class AddedMassOfLinks : public ::testing::TestWithParam<std::tuple<bool, bool, 
     Scene s(seed, test::penalty(std::get<0>(GetParam()), damping), std::get<2>(GetParam()));
     if (std::get<1>(GetParam())) {
       s.tie();
-      EXPECT_GT(s.bonds[0].grid.ties.size() + s.bonds[1].grid.ties.size(), 20u);
+      EXPECT_GT(s.bonds[0].grid.constraints.size() + s.bonds[1].grid.constraints.size(), 20u);
     }
     return s;
   }
@@ -40,7 +40,7 @@ double row_sum(const std::vector<double>& row_sums, int n) { return row_sums[2 *
 std::vector<int> free_nodes(const Grid& grid) {
   std::vector<int> nodes;
   for (int n = 0; n < grid.size(); ++n)
-    if (grid.ties.row(n) < 0) nodes.push_back(n);
+    if (grid.constraints.row(n) < 0) nodes.push_back(n);
   return nodes;
 }
 
@@ -62,7 +62,7 @@ Eigen::MatrixXd response(Scene& s, Grid& grid, std::vector<double>& field, const
   for (int j = 0; j < size; ++j) {
     std::fill(field.begin(), field.end(), 0.0);
     field[3 * nodes[j / 3] + j % 3] = 1.0;
-    grid.ties.extend(field.data());
+    grid.constraints.extend(field.data());
     s.add_force();
     for (int i = 0; i < size; ++i) K(i, j) = -grid.force[3 * nodes[i / 3] + i % 3];
   }
@@ -113,7 +113,7 @@ TEST_P(AddedMassOfLinks, RowSumsBoundTheStiffness) {
     matrix.add(largest_eigenvalue(K, penalty));
     step.add(kDt * kDt * largest_eigenvalue(K, mass) / kBound);
     for (int n = 0; n < grid.size(); ++n)
-      if (grid.ties.row(n) >= 0) {
+      if (grid.constraints.row(n) >= 0) {
         EXPECT_EQ(row_sum(row_sums[b.row], n), 0.0);
       }
   }
@@ -169,13 +169,13 @@ TEST_P(AddedMassOfLinks, SharesAreByStiffness) {
   for (const Bond& b : s.bonds) {
     const std::vector<double> k = s.row_sums(b);
     const SharedList<double>& mass = b.added.of_nodes();
-    const std::vector<AddedMass::Share> shares = b.added.shares();
+    const std::vector<AddedMass::OfNode> shares = b.added.shares();
     std::size_t at = 0;
     test::Worst worst;
     for (int n = 0; n < b.grid.size(); ++n) {
       if (mass[n] == 0.0) continue;
       ASSERT_LT(at, shares.size());
-      const AddedMass::Share& a = shares[at++];
+      const AddedMass::OfNode& a = shares[at++];
       EXPECT_EQ(a.node, n);
       for (int side = 0; side < 2; ++side) worst.add(std::fabs(a.mass[side] - mass[n] * k[2 * n + side] / row_sum(k, n)) / mass[n]);
     }
@@ -215,7 +215,7 @@ TEST_P(AddedMassOfLinks, ActionIsReaction) {
   const std::vector<std::vector<double>> springs = s.forces();
   for (Bond& b : s.bonds)
     for (int n = 0; n < b.grid.size(); ++n)
-      if (b.grid.ties.row(n) < 0)
+      if (b.grid.constraints.row(n) < 0)
         for (int d = 0; d < 3; ++d) b.grid.force[3 * n + d] += 0.01 * s.random.uniform(-1, 1);  // of the cement
   const std::vector<std::vector<double>> all = s.forces();
   for (Bond& b : s.bonds) {
@@ -246,7 +246,7 @@ TEST_P(AddedMassOfLinks, EqualBondsHoldTheirListsTogether) {
   AlikeLists alike;
   const auto bytes = [&](const Scene& s) {
     double sum = 0.0;
-    for (const Bond& b : s.bonds) sum += b.grid.ties.memory_usage() + b.links.memory_usage() + b.added.memory_usage();
+    for (const Bond& b : s.bonds) sum += b.grid.constraints.memory_usage() + b.links.memory_usage() + b.added.memory_usage();
     return sum;
   };
   for (Scene& s : scenes) {
@@ -261,7 +261,7 @@ TEST_P(AddedMassOfLinks, EqualBondsHoldTheirListsTogether) {
     for (Bond& b : s.bonds) b.grid.clear_force();
     s.add_force();
     for (Bond& b : s.bonds) {
-      b.grid.ties.gather_to_masters(b.grid.force.data());
+      b.grid.constraints.gather_to_masters(b.grid.force.data());
       b.added.accelerate(b.grid, s.ends_of(b));
     }
     std::vector<double> all;
@@ -427,21 +427,21 @@ TEST_P(AddedMassOfLinks, TakesUpMassWithoutGainOfEnergy) {
   for (Bond& b : s.bonds) {
     Grid& grid = b.grid;
     std::fill(grid.acceleration.begin(), grid.acceleration.end(), 0.0);
-    grid.ties.extend(grid.velocity.data());
-    std::vector<AddedMass::Share> before = b.added.shares();
-    const std::vector<AddedMass::Share> now = before;
+    grid.constraints.extend(grid.velocity.data());
+    std::vector<AddedMass::OfNode> before = b.added.shares();
+    const std::vector<AddedMass::OfNode> now = before;
     const auto ends_of = [&](std::size_t n) { return now[n].mass[0] > 0.0 ? 0 : 1; };  // the end whose mass changes
     for (std::size_t n = 0; n < now.size(); ++n) before[n].mass[ends_of(n)] *= n % 3 == 0 ? 0.0 : n % 3 == 1 ? 0.3 : 2.0;
     const std::vector<double> first = grid.velocity;
-    std::vector<AddedMass::Share> listed;
+    std::vector<AddedMass::OfNode> listed;
     std::copy_if(before.begin(), before.end(), std::back_inserter(listed),
-                 [](const AddedMass::Share& a) { return a.mass[0] + a.mass[1] > 0.0; });
+                 [](const AddedMass::OfNode& a) { return a.mass[0] + a.mass[1] > 0.0; });
     const auto grains_go_on = [&](double time) {
       for (int n = 0; n < 2; ++n)
         for (int d = 0; d < 3; ++d) s.ends_of(b)[n].x[d] += time * s.ends_of(b)[n].v[d];
     };
     grains_go_on(1.0);
-    lost += b.added.add_to_nodes(listed, grid, s.ends_of(b), 0.0, 1.0);
+    lost += b.added.slow_nodes(listed, grid, s.ends_of(b), 0.0, 1.0);
     grains_go_on(-1.0);
     for (std::size_t n = 0; n < now.size(); ++n) {
       const int node = now[n].node, side = ends_of(n);
@@ -464,7 +464,7 @@ TEST_P(AddedMassOfLinks, TakesUpMassWithoutGainOfEnergy) {
       kinetic += 0.5 * grid.mass[i / 3] * (first[i] * first[i] - grid.velocity[i] * grid.velocity[i]);
     }
     const std::vector<double> moved = grid.acceleration;
-    grid.ties.extend(grid.acceleration.data());
+    grid.constraints.extend(grid.acceleration.data());
     for (std::size_t i = 0; i < moved.size(); ++i) same.add(std::fabs(grid.acceleration[i] - moved[i]));  // constrained nodes follow
   }
   EXPECT_GT(slowed, 20);

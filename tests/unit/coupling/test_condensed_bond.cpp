@@ -163,15 +163,15 @@ TEST_F(CondensedBond, CouplingIsAnEigenvalue) {
   own.topRightCorner<6, 6>().setZero();
   own.bottomLeftCorner<6, 6>().setZero();
   between -= own;
-  model.find_coupling();
+  model.find_inertial_coupling();
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver{Eigen::MatrixXd(between), Eigen::MatrixXd(own)};
-  EXPECT_NEAR(model.coupling, solver.eigenvalues().maxCoeff(), 1e-12);
-  EXPECT_GT(model.coupling, 0.01);
+  EXPECT_NEAR(model.inertial_coupling, solver.eigenvalues().maxCoeff(), 1e-12);
+  EXPECT_GT(model.inertial_coupling, 0.01);
   double numbers[CondensedModel::kNumbers];
   model.pack(numbers);
   CondensedModel other;
   other.unpack(numbers);
-  EXPECT_EQ(other.coupling, model.coupling);
+  EXPECT_EQ(other.inertial_coupling, model.inertial_coupling);
   EXPECT_EQ((other.N - model.N).norm(), 0.0);
 }
 
@@ -186,8 +186,8 @@ TEST_F(CondensedBond, RigidPieceIsTheSumOfItsNodes) {
       nodes.emplace_back(random.uniform(0.5, 1.0), random.vector());
       rigid.add_node(nodes.back().first, nodes.back().second, Eigen::Matrix<double, 3, 6>::Zero());
     }
-    rigid.find_coupling();
-    EXPECT_EQ(rigid.coupling, 0.0);
+    rigid.find_inertial_coupling();
+    EXPECT_EQ(rigid.inertial_coupling, 0.0);
     GrainState state;
     std::vector<Grain> grain(1);
     grain[0].tag = piece.grain[0];
@@ -202,7 +202,7 @@ TEST_F(CondensedBond, RigidPieceIsTheSumOfItsNodes) {
     CondensedPack pack;
     const double bound[6] = {}, gravity[3] = {0.3, -0.2, -9.81};
     pack.build(MPI_COMM_SELF, {{&rigid, &piece, bound}}, grain);
-    EXPECT_EQ(pack.coupling(), 0.0);
+    EXPECT_EQ(pack.inertial_coupling(), 0.0);
     pack.distribute(grain);
     pack.find_loads(gravity);
     pack.set_accelerations(rate.data());
@@ -222,7 +222,7 @@ TEST_F(CondensedBond, RigidPieceIsTheSumOfItsNodes) {
       moment += r.cross(f);
     }
     const auto bond_ends = pack.ends(0, piece);
-    const GrainLoads alone = CondensedMotion(rigid, piece, bond_ends.data()).all(rigid, bond_ends.data(), gravity);
+    const GrainLoads alone = CondensedMotion(rigid, piece, bond_ends.data()).all_loads(rigid, bond_ends.data(), gravity);
     double worst = 0.0;
     for (int d = 0; d < 6; ++d) {
       const double expected = d < 3 ? force[d] : moment[d - 3];
@@ -295,16 +295,16 @@ TEST_F(CondensedBond, PackIsTheSumOfItsBonds) {
         level += bound[j] * std::fabs(motion.relative()[j]);
       }
       EXPECT_NEAR(pack.level(b), level, 1e-11 * (1 + level));
-      const GrainLoads all = motion.all(models[b], bond_ends.data(), gravity);
+      const GrainLoads all = motion.all_loads(models[b], bond_ends.data(), gravity);
       const Vector3 apart = CondensedMotion::vector(bond_ends[1].x) - CondensedMotion::vector(bond_ends[0].x);
       const Vector3 pull = 0.5 * (CondensedMotion::vector(all.of[0]) - CondensedMotion::vector(all.of[1]));
       worst_tension = std::max(worst_tension, std::fabs(tension[b] - pull.dot(apart) / apart.norm()));
-      const GrainLoads of_jump = motion.loads(-1.0 / dt * (models[b].M * motion.of_ends(bond_ends[0].jump, bond_ends[1].jump)));
+      const GrainLoads of_jump = motion.loads(-1.0 / dt * (models[b].M * motion.to_q(bond_ends[0].jump, bond_ends[1].jump)));
       for (BondEnd& s : bond_ends) {
         std::fill(s.a, s.a + 3, 0.0);
         std::fill(s.alpha, s.alpha + 3, 0.0);
       }
-      const GrainLoads without = motion.all(models[b], bond_ends.data(), gravity);
+      const GrainLoads without = motion.all_loads(models[b], bond_ends.data(), gravity);
       for (int s = 0; s < 2; ++s)
         for (int d = 0; d < 6; ++d) {
           sum[ends[b][s]][d] += all.of[s][d];

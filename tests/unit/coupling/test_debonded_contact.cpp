@@ -186,7 +186,7 @@ class Broken : public ::testing::TestWithParam<Method> {};
 int pairs_of_nodes(const Grid& grid) {
   std::map<std::array<int, 3>, int> free;
   for (int i = 0; i < grid.size(); ++i)
-    if (grid.ties.row(i) < 0) ++free[grid.keys[i].index()];
+    if (grid.constraints.row(i) < 0) ++free[grid.keys[i].index()];
   int pairs = 0;
   for (const auto& n : free) pairs += n.second * (n.second - 1) / 2;
   return pairs;

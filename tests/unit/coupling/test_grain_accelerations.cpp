@@ -69,7 +69,7 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
   prepare(s);
   int of_both = 0;
   for (const Bond& b : s.bonds)
-    for (const AddedMass::Share& a : b.added.shares()) of_both += a.mass[0] > 0.0 && a.mass[1] > 0.0;
+    for (const AddedMass::OfNode& a : b.added.shares()) of_both += a.mass[0] > 0.0 && a.mass[1] > 0.0;
   EXPECT_GT(of_both, 5);
   for (int turn = 0; turn < 4; ++turn) {
     // all free, then some prescribed, which all ends at a grain get
@@ -92,7 +92,7 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
     s.ends.clear_forces();
     for (Bond& b : s.bonds)
       for (std::size_t i = 0; i < b.grid.force.size(); ++i)
-        b.grid.force[i] = b.grid.ties.row(static_cast<int>(i / 3)) < 0 ? s.random.uniform(-1, 1) : 0.0;
+        b.grid.force[i] = b.grid.constraints.row(static_cast<int>(i / 3)) < 0 ? s.random.uniform(-1, 1) : 0.0;
     const std::vector<std::vector<double>> force = s.forces();
     const std::vector<BondEnd> before = s.ends.ends;
     CondensedPack none;
@@ -100,7 +100,7 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
     test::Worst node, grain;
     for (Bond& b : s.bonds) {
       b.added.accelerate(b.grid, s.ends_of(b));
-      for (const AddedMass::Share& m : b.added.shares()) {
+      for (const AddedMass::OfNode& m : b.added.shares()) {
         Vector rest(&force[b.row][3 * m.node]);
         const Vector a(&b.grid.acceleration[3 * m.node]);
         rest -= b.grid.mass[m.node] * a;
@@ -183,7 +183,7 @@ Eigen::MatrixXd stiffness(Scene& s, const std::vector<Grain>& grains, const Unkn
     if (j < u.first) {
       Grid& grid = s.bonds[u.nodes[j / 3].bond].grid;
       grid.displacement[3 * u.nodes[j / 3].node + j % 3] = by;
-      grid.ties.extend(grid.displacement.data());
+      grid.constraints.extend(grid.displacement.data());
     } else {
       const Vector direction = by * Vector::Unit((j - u.first) % 3);
       for (int side : grains[(j - u.first) / 6].ends) {
@@ -208,7 +208,7 @@ Eigen::MatrixXd mass_matrix(const Scene& s, const std::vector<Grain>& grains, co
     M.diagonal().segment<3>(u.first + 6 * g + 3).setConstant(grains[g].inertia);
   }
   for (const Bond& b : s.bonds)
-    for (const AddedMass::Share& a : b.added.shares())
+    for (const AddedMass::OfNode& a : b.added.shares())
       for (int side = 0; side < 2; ++side) {
         const Vector r = s.node(b.grid, a.node) - Vector(s.ends_of(b)[side].x);
         const int part[2] = {u.at[b.row][a.node], u.first + 6 * u.grain_of[b.first_end_index + side]};

@@ -98,7 +98,7 @@ TEST(Composite, LatticeFill) {
   double V = 0, A[2] = {0, 0};
   for (const FillPoint& q : fill_with_points(c, 2e-5)) {
     V += q.volume;
-    for (int i = 0; i < q.links; ++i) A[q.link[i].side] += q.link[i].area;
+    for (int i = 0; i < q.link_count; ++i) A[q.link[i].side] += q.link[i].area;
   }
   EXPECT_NEAR(V / c.volume(), 1.0, 1e-12);
   for (int s = 0; s < 2; ++s) EXPECT_NEAR(A[s] / c.attached_area(s), 1.0, 1e-12);

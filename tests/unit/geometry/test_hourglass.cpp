@@ -125,7 +125,7 @@ TEST(Hourglass, WithoutAWaistIsFlat) {
     for (std::size_t i = 0; i < a.size(); ++i) {
       EXPECT_LT((a[i].X - b[i].X).norm(), 1e-12) << test::name_of(p);
       EXPECT_NEAR(a[i].volume, b[i].volume, 1e-12 * b[i].volume);
-      EXPECT_EQ(a[i].links, b[i].links);
+      EXPECT_EQ(a[i].link_count, b[i].link_count);
     }
   }
 }

@@ -39,14 +39,14 @@ TEST(LatticeFill, VolumeAndAreaAreThoseOfTheShape) {
     for (const FillPoint& p : points) {
       EXPECT_GT(p.volume, 0.0);
       V += p.volume;
-      EXPECT_TRUE(p.links >= 0 && p.links <= 2);
-      for (int i = 0; i < p.links; ++i) {
+      EXPECT_TRUE(p.link_count >= 0 && p.link_count <= 2);
+      for (int i = 0; i < p.link_count; ++i) {
         EXPECT_GT(p.link[i].area, 0.0);
         A[p.link[i].side] += p.link[i].area;
         const double R = c.pair.radius(p.link[i].side);
         on_sphere.add(std::fabs((p.link[i].foot - c.pair.centre(p.link[i].side)).norm() / R - 1.0), c.name);
       }
-      if (p.links == 2) {
+      if (p.link_count == 2) {
         EXPECT_NE(p.link[0].side, p.link[1].side);
       }
     }
@@ -76,11 +76,11 @@ TEST(LatticeFill, OnePointACellInAscendingOrder) {
       if (i > 0) misplaced += !(cell_of(points[i - 1].X, c.spacing) < cell_of(p.X, c.spacing));
       whole = std::max(whole, p.volume);
       // a foot point is found within a few cells of its point
-      for (int k = 0; k < p.links; ++k) far += (p.link[k].foot - p.X).norm() > 4 * c.spacing;
+      for (int k = 0; k < p.link_count; ++k) far += (p.link[k].foot - p.X).norm() > 4 * c.spacing;
       EXPECT_EQ(p.X, again[i].X);
       EXPECT_EQ(p.volume, again[i].volume);
-      EXPECT_EQ(p.links, again[i].links);
-      for (int k = 0; k < p.links; ++k) EXPECT_EQ(p.link[k].foot, again[i].link[k].foot);
+      EXPECT_EQ(p.link_count, again[i].link_count);
+      for (int k = 0; k < p.link_count; ++k) EXPECT_EQ(p.link[k].foot, again[i].link[k].foot);
     }
     EXPECT_EQ(misplaced, 0) << c.name;
     EXPECT_EQ(far, 0) << c.name;
@@ -99,9 +99,9 @@ void expect_symmetric(const std::vector<FillPoint>& points, const FilledCase& c,
     const FillPoint& q = *it->second;
     worst.add((Q * p.X - q.X).norm() / c.spacing, c.name);
     worst.add(std::fabs(p.volume - q.volume) / (c.spacing * c.spacing * c.spacing), c.name);
-    ASSERT_EQ(p.links, q.links) << c.name;
-    for (int i = 0; i < p.links; ++i)
-      for (int j = 0; j < q.links; ++j) {
+    ASSERT_EQ(p.link_count, q.link_count) << c.name;
+    for (int i = 0; i < p.link_count; ++i)
+      for (int j = 0; j < q.link_count; ++j) {
         if (q.link[j].side != (swapped ? 1 - p.link[i].side : p.link[i].side)) continue;
         worst.add((Q * p.link[i].foot - q.link[j].foot).norm() / c.spacing, c.name + ", foot");
         worst.add(std::fabs(p.link[i].area - q.link[j].area) / (c.spacing * c.spacing), c.name + ", area");
@@ -155,7 +155,7 @@ TEST(LatticeFill, CentroidIsThatOfTheShape) {
     for (const FillPoint& q : fill_with_points(shape, c.spacing)) {
       moment += q.volume * q.X;
       inertia += q.volume * (q.X.squaredNorm() - std::pow(q.X.dot(p.n), 2));
-      for (int i = 0; i < q.links; ++i) foot[q.link[i].side] += q.link[i].area * q.link[i].foot;
+      for (int i = 0; i < q.link_count; ++i) foot[q.link[i].side] += q.link[i].area * q.link[i].foot;
     }
     const Vector x = moment / shape.volume();
     along.add(std::fabs(x.dot(p.n) - exact / shape.volume()) / c.spacing, c.name);

@@ -31,8 +31,8 @@ class MassOfPoints : public ::testing::TestWithParam<Basis> {
 
   void tie() {
     c.grid.lump_mass(c.points, kCalcite);  // by which edges are found
-    c.grid.tie(find_extension_constraints(MPI_COMM_SELF, GetParam(), test::edges_of(c.grid)), true);
-    ASSERT_GT(c.grid.ties.size(), 5u);
+    c.grid.constrain(find_extension_constraints(MPI_COMM_SELF, GetParam(), test::edges_of(c.grid)), true);
+    ASSERT_GT(c.grid.constraints.size(), 5u);
   }
   std::vector<double> any_field() {
     std::vector<double> f(3 * c.grid.size());

@@ -73,7 +73,7 @@ TEST(Corotational, SpinIsTheCayleyRotation) {
       w[l] = 3.0 * random.vector();
       for (int d = 0; d < 3; ++d) v[d][l] = w[l][d];
     }
-    const Mat3<vd> after = rotation_matrix(spun(turned(p.q, v[0], v[1], v[2]), v[0], v[1], v[2]));
+    const Mat3<vd> after = rotation_matrix(spun(unnormalised_product(p.q, v[0], v[1], v[2]), v[0], v[1], v[2]));
     for (int l = 0; l < kLanes; ++l) {
       Matrix W;
       W << 0, -w[l][2], w[l][1], w[l][2], 0, -w[l][0], -w[l][1], w[l][0], 0;
@@ -220,7 +220,7 @@ TEST(Corotational, FrameStaysNormalised) {
   vd w[3];
   for (int l = 0; l < kLanes; ++l)
     for (int d = 0; d < 3; ++d) w[d][l] = random.uniform(-1, 1);
-  for (int n = 0; n < 100000; ++n) p.q = spun(turned(p.q, w[0], w[1], w[2]), w[0], w[1], w[2]);
+  for (int n = 0; n < 100000; ++n) p.q = spun(unnormalised_product(p.q, w[0], w[1], w[2]), w[0], w[1], w[2]);
   test::Worst worst;
   for (int l = 0; l < kLanes; ++l) {
     const double w0 = p.q.w[l], x = p.q.x[l], y = p.q.y[l], z = p.q.z[l];

@@ -90,7 +90,7 @@ TEST(DriveAverage, KeepsConstantsBesideFailedPoints) {
   Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6);
   set_roots(c, [](int, int) { return 3.0; });
   fail(c, 5);
-  average(c, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
+  average(c, smoothing_passes_for(1.7 * kCell, kCell, Basis::quadratic));
   test::Worst worst;
   for (std::size_t i = 0; i < c.slots.size(); ++i) {
     if (i % 5 != 0) worst.add(std::fabs(average_of(c, c.slots[i] / kLanes, c.slots[i] % kLanes) - 3.0));
@@ -103,7 +103,7 @@ TEST(DriveAverage, KeepsTheSum) {
   Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6);
   set_roots(c, [&](int, int) { return random.uniform(0, 2); });
   fail(c, 7);
-  average(c, sweeps_for(2.2 * kCell, kCell, Basis::quadratic));
+  average(c, smoothing_passes_for(2.2 * kCell, kCell, Basis::quadratic));
   const double sum = volume_times_root(c);
   EXPECT_NEAR(volume_times_average(c), sum, 1e-13 * sum);
 }
@@ -113,15 +113,15 @@ TEST(DriveAverage, KeepsConstantsAndTheSumWithTiedNodes) {
   test::Random random(304);
   Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6);
   c.grid.lump_mass(c.points, test::kCalcite);
-  c.grid.tie(find_extension_constraints(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
-  ASSERT_GT(c.grid.ties.size(), 10u);
+  c.grid.constrain(find_extension_constraints(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
+  ASSERT_GT(c.grid.constraints.size(), 10u);
   set_roots(c, [](int, int) { return 3.0; });
-  average(c, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
+  average(c, smoothing_passes_for(1.7 * kCell, kCell, Basis::quadratic));
   test::Worst worst;
   c.for_points([&](int b, int l) { worst.add(std::fabs(average_of(c, b, l) - 3.0)); });
   expect_within(worst, 1e-13, "average of a constant");
   set_roots(c, [&](int, int) { return random.uniform(0, 2); });
-  average(c, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
+  average(c, smoothing_passes_for(1.7 * kCell, kCell, Basis::quadratic));
   const double sum = volume_times_root(c);
   EXPECT_NEAR(volume_times_average(c), sum, 1e-13 * sum);
 }
@@ -136,7 +136,7 @@ TEST_P(Variance, IsThatOfTheLength) {
   // a plane of points, so that a direction is left
   const double middle = kCell * (0.5 * n + 0.25);
   set_roots(c, [&](int b, int l) { return std::fabs(c.points.blocks[b].X[0][l] - middle) < 0.1 * kCell ? 1.0 : 0.0; });
-  average(c, sweeps_for(length * kCell, kCell, basis));
+  average(c, smoothing_passes_for(length * kCell, kCell, basis));
   double sum = 0.0, second = 0.0;
   c.for_points([&](int b, int l) {
     const double x = (c.points.blocks[b].X[0][l] - middle) / kCell, f = average_of(c, b, l);
@@ -162,7 +162,7 @@ TEST(DriveAverage, EndsAtAWideCrack) {
     const int b = c.slots[i] / kLanes, l = c.slots[i] % kLanes;
     if (x(b, l) > 5.0 && x(b, l) < 8.0) c.points.meta[b].failed |= static_cast<std::uint8_t>(1u << l);
   }
-  average(c, sweeps_for(3.0 * kCell, kCell, Basis::quadratic));
+  average(c, smoothing_passes_for(3.0 * kCell, kCell, Basis::quadratic));
   test::Worst worst;
   c.for_points([&](int b, int l) {
     if (x(b, l) < 5.0) worst.add(std::fabs(average_of(c, b, l) - 1.0));
@@ -177,7 +177,7 @@ TEST(DriveAverage, KeepsConstantsWhereTheLengthIsTheCell) {
   for (double ratio : {1.0 - 5e-7, 1.0, 1.0 + 5e-7}) {
     Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6, Eigen::Quaterniond::Identity(), Basis::cubic);
     set_roots(c, [](int, int) { return 3.0; });
-    average(c, sweeps_for(ratio * kCell, kCell, Basis::cubic));
+    average(c, smoothing_passes_for(ratio * kCell, kCell, Basis::cubic));
     test::Worst worst;
     c.for_points([&](int b, int l) { worst.add(std::fabs(average_of(c, b, l) - 3.0)); });
     expect_within(worst, 1e-13, "average of a constant");
@@ -191,7 +191,7 @@ TEST(DriveAverage, WeightsThatStand) {
   for (std::size_t i = 0; i < X.size(); i += 2) X[i] += 0.2 * kCell * random.vector();
   Cement c(kCell, X, kCell * kCell * kCell / 8);
   set_roots(c, [&](int, int) { return random.uniform(0, 2); });
-  const SmoothingPasses sweeps = sweeps_for(1.7 * kCell, kCell, Basis::quadratic);
+  const SmoothingPasses passes = smoothing_passes_for(1.7 * kCell, kCell, Basis::quadratic);
   BondRecord record = equal_grains();
   for (auto& centre : record.centre) centre[2] += 2 * kCell;  // the middle is that of the lattice
   const Imperfection imperfection{&record, 0.1};
@@ -206,12 +206,12 @@ TEST(DriveAverage, WeightsThatStand) {
     if (state == std::string("some failed")) fail(c, 6);
     if (state == std::string("nodes tied")) {
       c.grid.lump_mass(c.points, test::kCalcite);
-      c.grid.tie(find_extension_constraints(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
-      ASSERT_GT(c.grid.ties.size(), 10u);
+      c.grid.constrain(find_extension_constraints(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
+      ASSERT_GT(c.grid.constraints.size(), 10u);
     }
-    kept.find(c.points, c.grid, kLaw, sweeps, imperfection);
+    kept.find(c.points, c.grid, kLaw, passes, imperfection);
     const std::vector<double> of_kept = c.grid.drive_average;
-    average(c, sweeps, imperfection);
+    average(c, passes, imperfection);
     EXPECT_EQ(of_kept, c.grid.drive_average) << state;
   }
 }
@@ -315,7 +315,7 @@ TEST(DriveAverage, RootsThatStand) {
   };
   int damaged = 0;
   for (int step = 0; step < 30 && damaged < blocks() / 2; ++step) {
-    average(c, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
+    average(c, smoothing_passes_for(1.7 * kCell, kCell, Basis::quadratic));
     damaged = static_cast<int>(std::count_if(c.points.meta.begin(), c.points.meta.end(), [](const BlockMeta& m) { return m.damaged; }));
     AdvanceResult result;
     advance_points(c.points, 0, blocks(), c.grid, kLaw, dt, options, result);
@@ -348,14 +348,14 @@ TEST(DriveAverage, LimitsOfTheDrive) {
     const TensorDamage law = test::law_of(1.0, interface);
     const double threshold = root_of_drive<TensorDamage>(splat(weakest * kLaw.threshold()))[0];
     Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6, Eigen::Quaterniond::Identity(), basis);
-    const SmoothingPasses sweeps = sweeps_for(1.7 * kCell, kCell, basis);
+    const SmoothingPasses passes = smoothing_passes_for(1.7 * kCell, kCell, basis);
     std::map<int, double> roots;
     for (int slot : c.slots) roots[slot] = threshold * (random.index(50) == 0 ? 1.3 : random.uniform(0.3, 0.8));
     const auto set = [&](auto grown) {
       set_roots(c, [&](int b, int l) { return roots.count(kLanes * b + l) ? roots[kLanes * b + l] + grown() : 0.0; });
     };
     set([] { return 0.0; });
-    average(c, sweeps);
+    average(c, passes);
     const double lacking = threshold - DriveAverage::largest(c.points, c.grid);
     ASSERT_GT(lacking, 0.05 * threshold);
     DriveAverage::find_limits(c.points, c.grid, law, threshold - lacking);
@@ -370,7 +370,7 @@ TEST(DriveAverage, LimitsOfTheDrive) {
       return most;
     };
     const auto largest_average = [&] {
-      average(c, sweeps);
+      average(c, passes);
       return DriveAverage::largest(c.points, c.grid);
     };
     for (const auto& [part, reaches] : {std::pair(0.999, false), std::pair(1.001, true)}) {
@@ -388,17 +388,17 @@ TEST(DriveAverage, NoLimitsAtTheThresholdOrWithDamage) {
   test::Random random(308);
   Cement c(kCell, test::scattered(random, kCell, 3, 6), kCell * kCell * kCell / 6);
   const double threshold = root_of_drive<TensorDamage>(splat(kLaw.threshold()))[0];
-  const SmoothingPasses sweeps = sweeps_for(kCell, kCell, Basis::quadratic);
+  const SmoothingPasses passes = smoothing_passes_for(kCell, kCell, Basis::quadratic);
   for (double share : {0.9, 1.1}) {
     set_roots(c, [&](int, int) { return share * threshold; });
-    average(c, sweeps);
+    average(c, passes);
     DriveAverage::find_limits(c.points, c.grid, kLaw, DriveAverage::largest(c.points, c.grid));
     EXPECT_EQ(c.grid.drive_limit.empty(), share > 1.0);
     EXPECT_EQ(c.grid.drive_average.empty(), share < 1.0);
   }
   c.points.meta[c.slots.back() / kLanes].damaged = true;
   set_roots(c, [&](int, int) { return 0.9 * threshold; });
-  average(c, sweeps);
+  average(c, passes);
   EXPECT_GT(DriveAverage::largest(c.points, c.grid), 1e300);
 }
 
@@ -445,7 +445,7 @@ TEST(DriveAverage, BoundsOfFieldsHoldForAverages) {
     const auto root_of_average = [&](double first, double second) {
       for (std::size_t b = 0; b < blocks; ++b) c.points.blocks[b].strain = splat(first) * fields[0][b] + splat(second) * fields[1][b];
       DriveAverage average;
-      average.find(c.points, c.grid, law, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
+      average.find(c.points, c.grid, law, smoothing_passes_for(1.7 * kCell, kCell, Basis::quadratic));
       return largest_root_of_drive(c.points, law, &c.grid);
     };
     const double times = bound_of_averages(law), first = 1.0 / bound[0], root = root_of_average(first, 0.0),

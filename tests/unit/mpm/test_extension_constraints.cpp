@@ -38,17 +38,17 @@ std::vector<Vector> lattice(int percell, const Vector& shift, int cells, F insid
   return X;
 }
 
-std::vector<ExtensionConstraint> ties_of(Cement& c) {
+std::vector<ExtensionConstraint> constraints_of(Cement& c) {
   c.grid.lump_mass(c.points, 1.0);
   return find_extension_constraints(MPI_COMM_SELF, c.grid.basis, edges_of(c.grid));
 }
 
 // Checks the sums of the weights and of their first moments, and looks for masters that are constrained.
-void expect_sound(const std::vector<ExtensionConstraint>& ties) {
+void expect_sound(const std::vector<ExtensionConstraint>& constraints) {
   std::set<Key> constrained_nodes;
-  for (const ExtensionConstraint& t : ties) constrained_nodes.insert(t.constrained);
+  for (const ExtensionConstraint& t : constraints) constrained_nodes.insert(t.constrained);
   test::Worst error;
-  for (const ExtensionConstraint& t : ties) {
+  for (const ExtensionConstraint& t : constraints) {
     double sum[4] = {-1.0, 0, 0, 0};
     for (const auto& m : t.masters) {
       EXPECT_FALSE(constrained_nodes.count(m.first));
@@ -76,7 +76,7 @@ TEST(ExtensionConstraints, FullCellsHaveNone) {
       const double from = basis == Basis::quadratic ? -1.5 : -2.0, shift = basis == Basis::quadratic && percell % 2 ? 0.5 : 0.0;
       const auto inside = [&](const Vector& x) { return x.minCoeff() > from && x.maxCoeff() < from + 3; };
       Cement c(kH, lattice(percell, Vector::Constant(shift), 4, inside), 1.0, Eigen::Quaterniond::Identity(), basis);
-      EXPECT_TRUE(ties_of(c).empty()) << static_cast<int>(basis) << " " << percell;
+      EXPECT_TRUE(constraints_of(c).empty()) << static_cast<int>(basis) << " " << percell;
     }
 }
 
@@ -84,14 +84,14 @@ TEST(ExtensionConstraints, FullCellsHaveNone) {
 TEST(ExtensionConstraints, FaceIsTiedAcross) {
   const auto inside = [](const Vector& x) { return x[2] > 0.25 && std::max({std::fabs(x[0]), std::fabs(x[1]), x[2] - 1}) < 2.5; };
   Cement c(kH, lattice(8, Vector::Zero(), 4, inside), 1.0);
-  const std::vector<ExtensionConstraint> ties = ties_of(c);
-  expect_sound(ties);
+  const std::vector<ExtensionConstraint> constraints = constraints_of(c);
+  expect_sound(constraints);
   std::set<Key> constrained_nodes, wanted;
-  for (const ExtensionConstraint& t : ties) constrained_nodes.insert(t.constrained);
+  for (const ExtensionConstraint& t : constraints) constrained_nodes.insert(t.constrained);
   for (const Key& k : c.grid.keys)
     if (k.at(2) == -1) wanted.insert(k);
   EXPECT_EQ(constrained_nodes, wanted);
-  for (const ExtensionConstraint& t : ties) {
+  for (const ExtensionConstraint& t : constraints) {
     const std::vector<std::pair<Key, double>> masters{{{0, t.constrained.at(0), t.constrained.at(1), 0}, 2.0},
                                                       {{0, t.constrained.at(0), t.constrained.at(1), 1}, -1.0}};
     EXPECT_EQ(t.masters, masters);
@@ -104,10 +104,10 @@ TEST(ExtensionConstraints, FaceIsTiedAcross) {
 TEST(ExtensionConstraints, FilmIsTiedOnBothSides) {
   const auto inside = [](const Vector& x) { return std::fabs(x[2] - 0.4) < 0.3 && std::max(std::fabs(x[0]), std::fabs(x[1])) < 2.5; };
   Cement c(kH, lattice(16, Vector::Zero(), 4, inside), 1.0);
-  const std::vector<ExtensionConstraint> ties = ties_of(c);  // from 0.1 to 0.7: the nodes -1 and 2, with 0 and 1 between them
-  expect_sound(ties);
-  ASSERT_FALSE(ties.empty());
-  for (const ExtensionConstraint& t : ties) {
+  const std::vector<ExtensionConstraint> constraints = constraints_of(c);  // from 0.1 to 0.7: the nodes -1 and 2, with 0 and 1 between them
+  expect_sound(constraints);
+  ASSERT_FALSE(constraints.empty());
+  for (const ExtensionConstraint& t : constraints) {
     const bool below = t.constrained.at(2) == -1;
     EXPECT_TRUE(below || t.constrained.at(2) == 2);
     const std::vector<std::pair<Key, double>> masters{{{0, t.constrained.at(0), t.constrained.at(1), 0}, below ? 2.0 : -1.0},
@@ -120,10 +120,10 @@ TEST(ExtensionConstraints, FilmIsTiedOnBothSides) {
 TEST(ExtensionConstraints, LayerIsTiedOnItsLighterSide) {
   const auto inside = [](const Vector& x) { return std::fabs(x[2] - 0.1) < 0.2 && std::max(std::fabs(x[0]), std::fabs(x[1])) < 2.5; };
   Cement c(kH, lattice(2, Vector(0, 0, -0.15), 4, inside), 1.0);
-  const std::vector<ExtensionConstraint> ties = ties_of(c);
-  expect_sound(ties);
+  const std::vector<ExtensionConstraint> constraints = constraints_of(c);
+  expect_sound(constraints);
   std::set<Key> constrained_nodes, wanted;
-  for (const ExtensionConstraint& t : ties) {
+  for (const ExtensionConstraint& t : constraints) {
     constrained_nodes.insert(t.constrained);
     const std::vector<std::pair<Key, double>> masters{{{0, t.constrained.at(0), t.constrained.at(1), 0}, 2.0},
                                                       {{0, t.constrained.at(0), t.constrained.at(1), 1}, -1.0}};
@@ -138,10 +138,10 @@ TEST(ExtensionConstraints, LayerIsTiedOnItsLighterSide) {
 TEST(ExtensionConstraints, KeysComeBack) {
   const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
   Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
-  const std::vector<ExtensionConstraint> ties = ties_of(c);
-  ASSERT_GT(ties.size(), 50u);
+  const std::vector<ExtensionConstraint> constraints = constraints_of(c);
+  ASSERT_GT(constraints.size(), 50u);
   ExtensionConstraints bound;
-  bound.bind(ties, c.grid.keys);
+  bound.bind(constraints, c.grid.keys);
   std::vector<Key> more = c.grid.keys;
   for (const Key& k : c.grid.keys) more.push_back(k.with_field(k.field() + 1));
   more.push_back({0, -1000, 0, 0});
@@ -149,11 +149,11 @@ TEST(ExtensionConstraints, KeysComeBack) {
   const std::vector<ExtensionConstraint> first = bound.by_key(c.grid.keys);
   bound.bind(first, more);
   const std::vector<ExtensionConstraint> second = bound.by_key(more);
-  ASSERT_EQ(second.size(), ties.size());
-  for (std::size_t t = 0; t < ties.size(); ++t) {
-    EXPECT_EQ(second[t].constrained, ties[t].constrained);
-    EXPECT_EQ(second[t].masters, ties[t].masters);
-    EXPECT_EQ(second[t].mass_receivers, ties[t].mass_receivers);
+  ASSERT_EQ(second.size(), constraints.size());
+  for (std::size_t t = 0; t < constraints.size(); ++t) {
+    EXPECT_EQ(second[t].constrained, constraints[t].constrained);
+    EXPECT_EQ(second[t].masters, constraints[t].masters);
+    EXPECT_EQ(second[t].mass_receivers, constraints[t].mass_receivers);
   }
 }
 
@@ -162,14 +162,14 @@ TEST(ExtensionConstraints, ExchangeIsBinding) {
   const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
   Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
   const std::vector<Key>& keys = c.grid.keys;
-  const std::vector<ExtensionConstraint> all = ties_of(c);
+  const std::vector<ExtensionConstraint> all = constraints_of(c);
   test::Random random(7);
   const auto some = [&](double share) { return random.uniform(0, 1) < share; };
   std::vector<ExtensionConstraint> now;
   for (const ExtensionConstraint& t : all)
     if (some(0.7)) now.push_back(t);
-  ExtensionConstraints ties;
-  ties.bind(now, keys);
+  ExtensionConstraints constraints;
+  constraints.bind(now, keys);
   int freed_in = 0;
   for (int round = 0; round < 20; ++round) {
     std::vector<int> nodes;
@@ -196,10 +196,10 @@ TEST(ExtensionConstraints, ExchangeIsBinding) {
       }
       if (had) ++was;
     }
-    EXPECT_EQ(ties.replace(nodes, wanted, keys), freed) << round;
+    EXPECT_EQ(constraints.replace(nodes, wanted, keys), freed) << round;
     freed_in += freed;
     now = next;
-    const std::vector<ExtensionConstraint> found = ties.by_key(keys);
+    const std::vector<ExtensionConstraint> found = constraints.by_key(keys);
     ASSERT_EQ(found.size(), now.size()) << round;
     for (std::size_t t = 0; t < now.size(); ++t) {
       EXPECT_EQ(found[t].constrained, now[t].constrained);
@@ -214,16 +214,16 @@ TEST(ExtensionConstraints, ExchangeIsBinding) {
 TEST(ExtensionConstraints, ChainIsMasters) {
   const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
   Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
-  const std::vector<ExtensionConstraint> ties = ties_of(c);
+  const std::vector<ExtensionConstraint> constraints = constraints_of(c);
   std::set<Key> constrained_nodes;
-  for (const ExtensionConstraint& t : ties) constrained_nodes.insert(t.constrained);
+  for (const ExtensionConstraint& t : constraints) constrained_nodes.insert(t.constrained);
   int chained = 0;
-  for (const ExtensionConstraint& t : ties)
+  for (const ExtensionConstraint& t : constraints)
     for (const auto& b : t.behind) chained += static_cast<int>(constrained_nodes.count(b.first));
   EXPECT_GT(chained, 50);
   ExtensionConstraints by_masters, by_chain;
-  by_masters.bind(ties, c.grid.keys, false);
-  by_chain.bind(ties, c.grid.keys, true);
+  by_masters.bind(constraints, c.grid.keys, false);
+  by_chain.bind(constraints, c.grid.keys, true);
   EXPECT_GT(by_chain.memory_usage(), by_masters.memory_usage());
   test::Random random(5);
   std::vector<double> a(3 * c.grid.keys.size()), b;
@@ -243,11 +243,11 @@ TEST(ExtensionConstraints, BallIsSoundAndSymmetric) {
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
     const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
     Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0, Eigen::Quaterniond::Identity(), basis);
-    const std::vector<ExtensionConstraint> ties = ties_of(c);
-    expect_sound(ties);
-    EXPECT_GT(ties.size(), 50u);
+    const std::vector<ExtensionConstraint> constraints = constraints_of(c);
+    expect_sound(constraints);
+    EXPECT_GT(constraints.size(), 50u);
     std::map<Key, std::map<Key, double>> all;  // masters, and mass receivers with field 1
-    for (const ExtensionConstraint& t : ties) {
+    for (const ExtensionConstraint& t : constraints) {
       all[t.constrained] = {t.masters.begin(), t.masters.end()};
       for (const auto& h : t.mass_receivers) all[t.constrained][h.first.with_field(1)] = h.second;
     }
@@ -274,16 +274,16 @@ TEST(ExtensionConstraints, ForceIsTransposedAndMassIsKept) {
   test::Random random(118);
   const auto inside = [](const Vector& x) { return x.norm() < 2.9; };
   Cement c(kH, lattice(2, Vector(0.1, 0.3, -0.2), 4, inside), 0.3);
-  const std::vector<ExtensionConstraint> ties = ties_of(c);
+  const std::vector<ExtensionConstraint> constraints = constraints_of(c);
   const SharedList<double> untied = c.grid.mass;
-  c.grid.tie(ties, true);
-  EXPECT_EQ(c.grid.ties.size(), ties.size());
+  c.grid.constrain(constraints, true);
+  EXPECT_EQ(c.grid.constraints.size(), constraints.size());
   c.grid.lump_mass(c.points, 1.0);
   double before = 0, after = 0, least = 1e9;
   for (int n = 0; n < c.grid.size(); ++n) {
     before += untied[n];
     after += c.grid.mass[n];
-    if (c.grid.ties.row(n) >= 0) EXPECT_EQ(c.grid.mass[n], 0.0);
+    if (c.grid.constraints.row(n) >= 0) EXPECT_EQ(c.grid.mass[n], 0.0);
     else least = std::min(least, c.grid.mass[n] - untied[n]);
   }
   EXPECT_NEAR(after, before, 1e-13 * before);
@@ -291,10 +291,10 @@ TEST(ExtensionConstraints, ForceIsTransposedAndMassIsKept) {
   std::vector<double> f(3 * c.grid.size()), x(f.size());
   for (double& v : f) v = random.uniform(-1, 1);
   for (double& v : x) v = random.uniform(-1, 1);
-  c.grid.ties.extend(x.data());
+  c.grid.constraints.extend(x.data());
   double power = 0, pulled = 0;
   for (std::size_t i = 0; i < f.size(); ++i) power += f[i] * x[i];
-  c.grid.ties.gather_to_masters(f.data());
+  c.grid.constraints.gather_to_masters(f.data());
   for (std::size_t i = 0; i < f.size(); ++i) pulled += f[i] * x[i];
   EXPECT_NEAR(power, pulled, 1e-10 * std::fabs(power));
 }
@@ -307,7 +307,7 @@ TEST(ExtensionConstraints, BoundOfTheEigenvalueHolds) {
     for (double s : {0.0, 0.1, 0.25, 0.4}) {
       const auto inside = [](const Vector& x) { return x.norm() < 2.9; };
       Cement c(kH, lattice(2, Vector(s, 0.5 * s, -s), 4, inside), kH * kH * kH / 8, Eigen::Quaterniond::Identity(), basis);
-      c.grid.tie(ties_of(c), true);
+      c.grid.constrain(constraints_of(c), true);
       c.grid.lump_mass(c.points, 2700.0);
       const double bound = eigenvalue_bound(basis, law.elasticity().largest_stiffness(), 2700.0, kH) * c.grid.largest_constraint_factor();
       const EigenvalueEstimate e = largest_eigenvalue(MPI_COMM_SELF, c.points, c.grid, law);

@@ -53,14 +53,14 @@ TEST_P(LargestEigenvalue, OfSomeBlocks) {
   Cement c(kCell, test::lattice(kCell, 4), kCell * kCell * kCell / 8, Eigen::Quaterniond(test::rotation(random.direction(), 1.0)),
            GetParam());
   // a side of it is constrained to the lines behind
-  std::vector<ExtensionConstraint> ties;
+  std::vector<ExtensionConstraint> constraints;
   int least = c.grid.keys.front().at(0);
   for (const Key& k : c.grid.keys) least = std::min(least, k.at(0));
   for (const Key& k : c.grid.keys) {
     const Key next = k.moved(0, 1), second = k.moved(0, 2);
-    if (k.at(0) == least) ties.push_back({k, {{next, 2.0}, {second, -1.0}}, {{next, 1.0}}, {}});
+    if (k.at(0) == least) constraints.push_back({k, {{next, 2.0}, {second, -1.0}}, {{next, 1.0}}, {}});
   }
-  c.grid.tie(ties, true);
+  c.grid.constrain(constraints, true);
   c.grid.lump_mass(c.points, kCalcite);
   const NoDamage law(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}));
   std::vector<int> blocks;
@@ -70,7 +70,7 @@ TEST_P(LargestEigenvalue, OfSomeBlocks) {
     else others_failed.points.meta[b].failed = c.points.meta[b].occupied;
   const EigenvalueEstimate whole = largest_eigenvalue(MPI_COMM_SELF, others_failed.points, others_failed.grid, law, 1e-7);
   const EigenvalueEstimate some = largest_eigenvalue(MPI_COMM_SELF, {{&c.points, &c.grid, false, &blocks}}, law, 1e-7);
-  EXPECT_FALSE(c.grid.ties.empty());
+  EXPECT_FALSE(c.grid.constraints.empty());
   test::expect_within(std::fabs(some.value / whole.value - 1.0), 1e-9, "eigenvalue of some blocks");
 }
 

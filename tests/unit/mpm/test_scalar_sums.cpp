@@ -99,9 +99,9 @@ TEST_P(ScalarSumsOfPoints, AreThoseOfEachPoint) {
     c.for_points([&](int b, int l) { c.points.blocks[b].volume[l] = volume * random.uniform(0.2, 1.0); });
     sums.find(c.points, c.grid);
     if (std::get<1>(GetParam()) == Places::lattice) {
-      EXPECT_EQ(sums.alone(), 0);
+      EXPECT_EQ(sums.single(), 0);
     } else {
-      EXPECT_GT(sums.alone(), 100);
+      EXPECT_GT(sums.single(), 100);
     }
     const auto volume_of = [&](int b, int l) { return c.points.blocks[b].volume[l]; };
     expect_sums(

@@ -45,8 +45,8 @@ struct Bond {
   std::vector<int> failed;                // slots that failed in this step, ascending
   std::vector<int> debonded_with_points;  // indices in points.links of links that debonded with failed points, ascending
   LinkStep link_step;                     // result of the traction law in this step
-  std::vector<double> jump;               // change of the nodal velocity by transfer in this step, or empty
-  std::vector<double> filtered;           // the part of `jump` that nodes get before they move, xpic only
+  std::vector<double> transfer_change;    // change of the nodal velocity by transfer in this step, or empty
+  std::vector<double> filtered;           // the part of `transfer_change` that nodes get before they move, xpic only
 
   // The mechanism of type P; null if it does not act in this bond.
   template <class P>
@@ -120,7 +120,8 @@ struct Bond {
     std::size_t of_mechanisms = mechanisms.capacity() * sizeof(Mechanisms::value_type);
     for (const std::unique_ptr<BondMechanism>& p : mechanisms) of_mechanisms += p->memory_usage();
     return points.memory_usage() + film.memory_usage() + grid.memory_usage() + links.memory_usage() + added.memory_usage() +
-           average.memory_usage() + updated.memory_usage() + of_mechanisms + sizeof(double) * (jump.capacity() + filtered.capacity());
+           average.memory_usage() + updated.memory_usage() + of_mechanisms +
+           sizeof(double) * (transfer_change.capacity() + filtered.capacity());
   }
 };
 

@@ -144,7 +144,7 @@ void BondedGrains::distribute_as_before(const Bonds& bonds, double dt) {
     std::copy(grain.state->q, grain.state->q + 4, p.q.begin());
     if (grain.state->position_known) std::copy(grain.state->x, grain.state->x + 3, grain.x);
   }
-  turn(-dt);
+  rotate(-dt);
   distribute(bonds);
   for (std::size_t n = 0; n < grains.size(); ++n) {
     std::copy(now[n].x.begin(), now[n].x.end(), grains[n].x);
@@ -152,7 +152,7 @@ void BondedGrains::distribute_as_before(const Bonds& bonds, double dt) {
   }
 }
 
-void BondedGrains::turn(double dt) {
+void BondedGrains::rotate(double dt) {
   for (Grain& g : grains) {
     double* q = g.state->q;
     const double* w = g.velocity + 3;
@@ -204,15 +204,15 @@ void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, int n, 
   solve(comm, bonds, condensed);
 }
 
-// The loads of the grains are in load_.
+// The loads of the grains are in host_load_.
 void BondedGrains::solve(MPI_Comm comm, const Bonds& bonds, CondensedPack& condensed) {
   std::vector<GrainAccelerations::OfBond> of_bonds;
   if (!summed_)
     for (const Bond& b : bonds.resolved())
       if (!b.added.empty()) of_bonds.push_back({&b.added, &b.grid, b.first_end_index});
   summed_ = false;
-  accelerations_.find(comm, of_bonds, grains, load_, ends, fresh_, condensed);
-  fresh_ = false;
+  accelerations_.find(comm, of_bonds, grains, host_load_, ends, mass_changed_, condensed);
+  mass_changed_ = false;
 }
 
 void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack& condensed) {
@@ -220,11 +220,11 @@ void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedP
   std::vector<EndMoments> moments(ends.ends.size());
   for (const Bond& b : bonds.resolved())
     if (const SharedImpulse* shared = b.mechanism<SharedImpulse>()) shared->add_moments(b.grid, ends_of(b), &moments[b.first_end_index]);
-  load_.resize(grains.size());
+  host_load_.resize(grains.size());
   for (std::size_t g = 0; g < grains.size(); ++g)
     for (int d = 0; d < 6; ++d) {
       const Grain& grain = grains[g];
-      load_[g][d] = n * (grain.force[d] + grain.state->late_load[d] - grain.spread(d, n)) - grain.state->held()[d];
+      host_load_[g][d] = n * (grain.force[d] + grain.state->late_load[d] - grain.spread_part(d, n)) - grain.state->held()[d];
     }
   const std::vector<BondEnd> kept(ends.ends);
   std::vector<double> total;  // accelerations of the grains so far; like the ends in `kept`, they are put aside for the solution
@@ -235,7 +235,7 @@ void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedP
   ends.set_accelerations(std::vector<Six>(owned_.size(), Six{}));
   ends.clear_forces();
   ends.clear_sudden_forces();
-  impulses_.find_impulse(comm, moments, grains, load_, ends, condensed);
+  impulses_.find_impulse(comm, moments, grains, host_load_, ends, condensed);
   for (std::size_t i = 0; i < kept.size(); ++i) {
     BondEnd& s = ends.ends[i];
     std::copy(kept[i].force, kept[i].force + 3, s.force);
@@ -299,7 +299,7 @@ void BondedGrains::add_loads_of_cement(double dt, EnergyBalance& balance, const 
       g.state->load[d] += load;
       of_jumps += condensed.jump_load(n, d) * 0.5 * (g.state->v_before[d] + g.state->v[d]);
     }
-    if (!taken_back_) balance.do_work(-dt * of_jumps);
+    if (!loads_restored_) balance.do_work(-dt * of_jumps);
   }
   react_to_jumps(dt, balance);
   for (std::size_t n = 0; n < grains.size(); ++n)
@@ -311,13 +311,13 @@ void BondedGrains::add_loads_of_cement(double dt, EnergyBalance& balance, const 
 }
 
 void BondedGrains::save_loads() {
-  taken_back_ = false;
+  loads_restored_ = false;
   saved_loads_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) std::copy(grains[n].force, grains[n].force + 6, saved_loads_[n].begin());
 }
 
 void BondedGrains::restore_loads() {
-  taken_back_ = true;
+  loads_restored_ = true;
   withdrawn_loads_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {
     std::copy(saved_loads_[n].begin(), saved_loads_[n].end(), grains[n].force);
@@ -334,14 +334,14 @@ void BondedGrains::correct_work_of_withdrawn_loads(double dt_last, EnergyBalance
 
 // Condensed bonds pass a part of the momentum of a grain to their other grain.
 double BondedGrains::apply_impulse(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed) {
-  load_.resize(grains.size());
+  host_load_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {
     std::fill(grains[n].acceleration, grains[n].acceleration + 6, 0.0);
-    for (int d = 0; d < 6; ++d) load_[n][d] = momentum[n][d];
+    for (int d = 0; d < 6; ++d) host_load_[n][d] = momentum[n][d];
   }
   ends.set_accelerations(std::vector<Six>(owned_.size(), Six{}));
   condensed.set_accelerations(std::vector<double>(6 * grains.size(), 0.0).data());
-  impulses_.find_impulse(comm, std::vector<EndMoments>(ends.ends.size()), grains, load_, ends, condensed);
+  impulses_.find_impulse(comm, std::vector<EndMoments>(ends.ends.size()), grains, host_load_, ends, condensed);
   double energy = 0.0;
   for (std::size_t n = 0; n < grains.size(); ++n) {
     Grain& g = grains[n];
@@ -391,7 +391,7 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
     b.grid.clear_force();
     if (b.row >= first_row) b.added.add_jumps(b.grid, ends_of(b), at_start);
   }
-  load_.assign(grains.size(), GrainAccelerations::Vector6::Zero());
+  host_load_.assign(grains.size(), GrainAccelerations::Vector6::Zero());
   CondensedPack none;
   if (any_free_) solve(comm, bonds, none);
   added_mass_changed();  // solve() left out condensed bonds
@@ -507,10 +507,10 @@ EnergyBalance::StepWork BondedGrains::work(double dt_last, int first_row) const 
     const Six f = in_box(s, force, force + 3);
     for (int d = 0; d < 6; ++d) {
       power.now -= f[d] * g.v_end[d];
-      power.before -= f[d] * g.v[d];
+      power.with_velocity_before -= f[d] * g.v[d];
     }
   }
-  return {dt_last * power.now, dt_last * power.before};
+  return {dt_last * power.now, dt_last * power.with_velocity_before};
 }
 
 EnergyBalance::StepWork BondedGrains::work_of(const CondensedPack& condensed, double dt_last) const {
@@ -521,13 +521,13 @@ EnergyBalance::StepWork BondedGrains::work_of(const CondensedPack& condensed, do
       // the work of the weight is counted as work of gravity
       const double f = condensed.load(n, d) - condensed.weight(n, d) + condensed.inertial_load(n, d);
       power.now -= f * g.v_end[d];
-      power.before -= f * g.v[d];
+      power.with_velocity_before -= f * g.v[d];
     }
   }
-  return {dt_last * power.now, dt_last * power.before};
+  return {dt_last * power.now, dt_last * power.with_velocity_before};
 }
 
-void BondedGrains::watch_jumps(double limit) {
+void BondedGrains::start_watch(double limit) {
   jump_limit_ = limit;
   worst_jump_ = Jump();
   fastest_start_ = Start();

@@ -80,7 +80,7 @@ class BondedGrains {
   // the cement moved. Sends the positions and orientations from before the move.
   void distribute_as_before(const Bonds& bonds, double dt);
   // Rotates the grains over dt by the angular velocities that the host gave them.
-  void turn(double dt);
+  void rotate(double dt);
 
   // Call once a step, before distribute(). Finds the velocities with which grains came to their positions, and the
   // jumps of prescribed velocities. The acceleration predicted for prescribed motion is the minmod of two estimates:
@@ -103,7 +103,7 @@ class BondedGrains {
   void sum_up(const Bond& b) {
     if (summed_ && !b.added.empty()) accelerations_.add({&b.added, &b.grid, b.first_end_index}, ends);
   }
-  void added_mass_changed() { fresh_ = true; }  // the next solution makes its mass matrix anew
+  void added_mass_changed() { mass_changed_ = true; }  // the next solution makes its mass matrix anew
   // Did the iteration for some accelerations end before it reached its precision? The same on all ranks.
   bool accelerations_are_imprecise() const { return accelerations_.imprecise() || impulses_.imprecise(); }
 
@@ -174,7 +174,7 @@ class BondedGrains {
     double size = 0.0;
     long step = 0;
   };
-  void watch_jumps(double limit);  // forgets the jump and the start found so far
+  void start_watch(double limit);  // forgets the jump and the start found so far
   // The bond on this rank whose cement had the largest speed against its grains when it started in this run.
   struct Start {
     int row = -1;
@@ -196,11 +196,11 @@ class BondedGrains {
   std::vector<OwnedEnd> owned_;
   GrainAccelerations accelerations_, impulses_;
   bool summed_ = false;  // begin_sums() was called
-  std::vector<GrainAccelerations::Vector6> load_;
+  std::vector<GrainAccelerations::Vector6> host_load_;
   std::vector<Six> saved_loads_, withdrawn_loads_,
-      sudden_loads_;         // of each grain: loads of the host, of the cement, of jumps and transfers in this step
-  bool taken_back_ = false;  // restore_loads() was called in this step
-  bool changed_ = true, any_free_ = false, fresh_ = false, sudden_forces_are_due_ = false;
+      sudden_loads_;             // of each grain: loads of the host, of the cement, of jumps and transfers in this step
+  bool loads_restored_ = false;  // restore_loads() was called in this step
+  bool changed_ = true, any_free_ = false, mass_changed_ = false, sudden_forces_are_due_ = false;
   double jump_limit_ = 0.0;  // jumps up to this size are not noted
   long step_ = 0;
   Jump worst_jump_;

@@ -62,10 +62,10 @@ class EnergyBalance {
       visit.part(s.left);
     }
   };
-  // Work of the present forces over a whole step. now: with the velocities at their time. before: with those of half a
-  // step before. So the first half of the step has the work before/2, and the second half now - before/2.
+  // Work of the present forces over a whole step. now: with the velocities at their time. with_velocity_before: with those of half a
+  // step before. So the first half of the step has half of the work with_velocity_before, and the second half now less that.
   struct StepWork {
-    double now = 0.0, before = 0.0;
+    double now = 0.0, with_velocity_before = 0.0;
   };
 
   void dissipate(double energy) { sums_.dissipated += energy; }
@@ -98,24 +98,24 @@ class EnergyBalance {
   // Counts the work of dampers and of friction of crack faces in a step. Call as soon as its accelerations are known.
   void end_step_of_dampers(const StepWork& damped, const StepWork& frictional) {
     sums_.damped += damped.now;
-    sums_.damped_ahead = damped.now - 0.5 * damped.before;
+    sums_.damped_ahead = damped.now - 0.5 * damped.with_velocity_before;
     sums_.frictional += frictional.now;
-    sums_.frictional_ahead = frictional.now - 0.5 * frictional.before;
+    sums_.frictional_ahead = frictional.now - 0.5 * frictional.with_velocity_before;
   }
   // Counts the work of a step at its end.
   void end_step(const StepWork& w, const StepWork& inertial) {
     sums_.work += w.now;
-    sums_.work_ahead = w.now - 0.5 * w.before;
+    sums_.work_ahead = w.now - 0.5 * w.with_velocity_before;
     sums_.inertial_work += inertial.now;
-    sums_.inertial_work_ahead = inertial.now - 0.5 * inertial.before;
+    sums_.inertial_work_ahead = inertial.now - 0.5 * inertial.with_velocity_before;
   }
   // Counts new cement, whose first step is the half step ahead. energy_of_all: its energy, of all ranks. The others are
   // the work of that half step, and the energy that dampers take in it.
   void start(double energy_of_all, const StepWork& w, const StepWork& inertial, double damped_ahead) {
-    sums_.work += w.now - 0.5 * w.before;
-    sums_.work_ahead += w.now - 0.5 * w.before;
-    sums_.inertial_work += inertial.now - 0.5 * inertial.before;
-    sums_.inertial_work_ahead += inertial.now - 0.5 * inertial.before;
+    sums_.work += w.now - 0.5 * w.with_velocity_before;
+    sums_.work_ahead += w.now - 0.5 * w.with_velocity_before;
+    sums_.inertial_work += inertial.now - 0.5 * inertial.with_velocity_before;
+    sums_.inertial_work_ahead += inertial.now - 0.5 * inertial.with_velocity_before;
     sums_.damped += damped_ahead;
     sums_.damped_ahead += damped_ahead;
     start_ += energy_of_all;

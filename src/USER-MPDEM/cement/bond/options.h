@@ -28,14 +28,14 @@ struct CementOptions {
   int reproject_every = 0;            // steps between two re-projections; 0: none
   double reproject_distortion = 0.0;  // distortion at which the present configuration becomes the reference; 0: never
   AdvanceOptions advance;
-  double mass_scale = 1.0, relax = 0.0;  // quasistatic: factor of the inertia, share of critical damping
-  double length = 0.0;                   // internal length of the nonlocal average of the driving force; 0: none
-  double imperfection = 0.0;             // nonlocal damage only: share of extra strain that cement at one grain carries, mpm/imperfection.h
-  double half_band = 0.0;                // half width of the crack band for this length, Law::crack_band(); 0: none, or not known
-  int mass_order = 1;                    // 1 or 2 terms of the inverse of the consistent mass, see mpm/consistent_mass.h
-  bool split = false;       // do nodes split as points fail, not only when the bond separates, see cement/failure/node_splitting.h
-  bool unilateral = false;  // are failed points stiff while their crack is closed, see mpm/closing_points.h
-  bool condense = false;    // are bonds condensed while their damage is far from its threshold, see cement/condensed/condensed_bonds.h
+  double mass_scale = 1.0, relative_damping = 0.0;  // quasistatic: factor of the inertia, share of critical damping
+  double length = 0.0;                              // internal length of the nonlocal average of the driving force; 0: none
+  double imperfection = 0.0;  // nonlocal damage only: share of extra strain that cement at one grain carries, mpm/imperfection.h
+  double half_band = 0.0;     // half width of the crack band for this length, Law::crack_band(); 0: none, or not known
+  int mass_order = 1;         // 1 or 2 terms of the inverse of the consistent mass, see mpm/consistent_mass.h
+  bool split = false;         // do nodes split as points fail, not only when the bond separates, see cement/failure/node_splitting.h
+  bool unilateral = false;    // are failed points stiff while their crack is closed, see mpm/closing_points.h
+  bool condense = false;      // are bonds condensed while their damage is far from its threshold, see cement/condensed/condensed_bonds.h
   double activation_share = 0.8;  // share of the threshold at which a condensed bond is activated
   int subcycle = 1;               // sub-steps in a step of the host; 0: as many as the cement needs
   bool balance = false;           // are bonds moved to ranks that have less work, see cement/bond/work_shares.h

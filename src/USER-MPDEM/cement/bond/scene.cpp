@@ -20,10 +20,10 @@ std::array<double, 3> Scene::weight_of(const Bond& b) const {
   return w == std::array<double, 3>{} ? w : turned_back(axes_of(bonds().record(b)), w.data());
 }
 
-double Scene::shear_speed() const { return std::sqrt(law->elasticity().softest_shear() / inertia); }
+double Scene::shear_speed() const { return std::sqrt(law->elasticity().softest_shear() / scaled_density); }
 
 double Scene::eigenvalue_bound() const {
-  return mpdem::eigenvalue_bound(options.basis, law->elasticity().largest_stiffness(), inertia, options.cell);
+  return mpdem::eigenvalue_bound(options.basis, law->elasticity().largest_stiffness(), scaled_density, options.cell);
 }
 
 std::vector<int> Scene::all_rows() const {

@@ -65,7 +65,7 @@ struct Scene {
   const std::unique_ptr<const Formulation> formulation;
   std::shared_ptr<const Law> law;
   std::optional<PenaltyParameters> penalty;  // parameters of the links; none: no links
-  double inertia = 0.0;                      // density of the calcite times the mass scale
+  double scaled_density = 0.0;               // density of the calcite times the mass scale
   BondedGrains grains;
   EnergyBalance energy;
   StepTimer timer;
@@ -95,7 +95,7 @@ struct Scene {
   int topology_interval() const { return std::max(1, kTopologyInterval / now.substeps); }
   bool is_topology_step() const { return begins_step() && (now.number - 1) % topology_interval() == 0; }
 
-  double density() const { return inertia / options.mass_scale; }
+  double density() const { return scaled_density / options.mass_scale; }
   bool leaves_residue() const { return penalty && penalty->law->leaves_residue(); }
   // Can points fail, or links debond?
   bool can_break() const { return penalty && !(law->inert() && penalty->law->fields() == 0); }

@@ -41,7 +41,7 @@ void BondedGrains::start_spreading(int n) {
     GrainState& s = *g.state;
     if (n > 1 && !s.spread) {
       for (int d = 0; d < 6; ++d) {
-        s.mean[d] = s.mean[6 + d] = s.mean[12 + d] = s.between[d] = g.force[d] + s.late_load[d];
+        s.mean[d] = s.mean[6 + d] = s.mean[12 + d] = s.mean_at_end[d] = g.force[d] + s.late_load[d];
         s.off[d] = 0.0;
       }
       s.off_squared = 0.0;
@@ -63,21 +63,21 @@ void BondedGrains::spread_loads(int n) {
     for (int d = 0; d < 6; ++d) {
       double last = load[d];
       for (int mean = d; mean < 18; mean += 6) last = s.mean[mean] += weight * (last - s.mean[mean]);
-      s.between[d] = 0.5 * (before[d] + s.held()[d]);
+      s.mean_at_end[d] = 0.5 * (before[d] + s.held()[d]);
     }
     // The held load acted at the positions of the sub-steps, not at the ends of the step. This torque conserves its moment.
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, f = (d + 2) % 3;
-      s.between[3 + d] -= (s.path_offset[e] * before[f] - s.path_offset[f] * before[e]) / (n - 1);
+      s.mean_at_end[3 + d] -= (s.path_offset[e] * before[f] - s.path_offset[f] * before[e]) / (n - 1);
     }
   }
 }
 
 void BondedGrains::find_loads(int n) {
-  load_.resize(grains.size());
+  host_load_.resize(grains.size());
   for (std::size_t i = 0; i < grains.size(); ++i) {
     const GrainState& g = *grains[i].state;
-    for (int d = 0; d < 6; ++d) load_[i][d] = sudden_loads_[i][d] + (n == 1 ? grains[i].force[d] + g.late_load[d] : g.held()[d]);
+    for (int d = 0; d < 6; ++d) host_load_[i][d] = sudden_loads_[i][d] + (n == 1 ? grains[i].force[d] + g.late_load[d] : g.held()[d]);
   }
 }
 
@@ -91,7 +91,7 @@ void BondedGrains::react(double dt, int n, EnergyBalance& energy, const Condense
   for (Grain& g : grains)
     for (int d = 0; d < 6; ++d) {
       g.cement_load[d] = g.force[d];
-      g.force[d] = g.kick[d] - g.spread(d, n) + g.cement_load[d] / n;
+      g.force[d] = g.kick[d] - g.spread_part(d, n) + g.cement_load[d] / n;
       g.load_of_other_substeps[d] = 0.0;
     }
   for (const OwnedEnd& o : owned_) {
@@ -107,7 +107,7 @@ void BondedGrains::react(double dt, int n, EnergyBalance& energy, const Condense
 void BondedGrains::set_reported_loads(int n) {
   if (n == 1) return;
   for (Grain& g : grains)
-    for (int d = 0; d < 6; ++d) g.force[d] += g.cement_load[d] - g.cement_load[d] / n - g.load_of_other_substeps[d] + g.spread(d, n);
+    for (int d = 0; d < 6; ++d) g.force[d] += g.cement_load[d] - g.cement_load[d] / n - g.load_of_other_substeps[d] + g.spread_part(d, n);
 }
 
 }  // namespace mpdem

@@ -33,11 +33,11 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Bond
   const BondEnd* ends = both.data();
   const CondensedMotion motion(model_of(member), record, ends);
   const Vector3& middle = model_of(member).middle;
-  const CondensedMotion::Vector12 v = motion.velocity(ends, later), a = motion.rate(ends);
+  const CondensedMotion::Vector12 v = motion.velocity(ends, later), a = motion.acceleration(ends);
   const CondensedMotion::Vector6& d = motion.relative();
   const CondensedMotion::Vector6 half = 0.5 * d;
   const Matrix3& Q = motion.axes();
-  const Vector3 c = motion.middle(), w = motion.turning(ends);
+  const Vector3 c = motion.middle(), w = motion.angular_velocity(ends);
   const auto rigid = [](const CondensedMotion::Vector6& g, const Vector3& Y) {
     return Vector3(g.head<3>() + Vector3(g.tail<3>()).cross(Y));
   };
@@ -70,9 +70,9 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of_pieces(const Bond& bond, con
     const auto ends = pack_.ends(static_cast<int>(first) + s, piece);
     const CondensedModel& model = model_of(first + s);
     const CondensedMotion motion(model, piece, ends.data());
-    const CondensedMotion::Vector12 v = motion.velocity(ends.data(), later), a = motion.rate(ends.data());
+    const CondensedMotion::Vector12 v = motion.velocity(ends.data(), later), a = motion.acceleration(ends.data());
     const Matrix3& Q = motion.axes();
-    const Vector3 w = motion.turning(ends.data());
+    const Vector3 w = motion.angular_velocity(ends.data());
     for (int i = 0; i < bond.grid.size(); ++i) {
       if (members_[first].solution->grain_of_node[i] != s) continue;
       const Vector3 X = position_of(bond.grid, i), Y = X - model.middle;
@@ -153,7 +153,7 @@ void CondensedBonds::equilibrate(MPI_Comm comm, Bond* bond, const BondRecord& re
     grid.sum_force();
     for (int i = 0; i < grid.size(); ++i)
       for (int d = 0; d < 3; ++d)
-        if (grid.ties.row(i) < 0) grid.force[3 * i + d] += grid.mass[i] * (gravity[d] - grid.acceleration[3 * i + d]);
+        if (grid.constraints.row(i) < 0) grid.force[3 * i + d] += grid.mass[i] * (gravity[d] - grid.acceleration[3 * i + d]);
     const StaticSystem system{bond->points, grid, bond->links, ends.data(), record, law, bond->film};
     grid.velocity = static_displacement(comm, &system, grid.force);  // over a step of time 1, below
     AdvanceOptions options;
@@ -198,7 +198,7 @@ bool CondensedBonds::matches_static_solution(const Bond& resolved, const BondRec
   const double elastic = motion.energy(model), at_threshold = elastic / (root * root);
   const CondensedMotion::Vector12 before = motion.velocity(ends, 0.0), after = motion.velocity(ends, dt_last);
   if (std::fabs(energy - elastic - 0.5 * before.dot(model.M * after)) > kChange * at_threshold) return false;
-  const GrainLoads loads = motion.all(model, ends, turned_back(ends->axes, gravity).data());
+  const GrainLoads loads = motion.all_loads(model, ends, turned_back(ends->axes, gravity).data());
   for (int s = 0; s < 2; ++s) {
     double other[2][6] = {};
     for (int d = 0; d < 3; ++d) {
@@ -224,11 +224,11 @@ bool CondensedBonds::matches_rigid_pieces(Bond& resolved, const BondRecord& reco
   for (int s = 0; s < 2; ++s) {
     const CondensedModel& model = models[s];
     const BondRecord piece = record_of_piece(record, s);
-    const auto both = loaded_ends_of_piece(ends[s]);
+    const auto both = both_ends_on(ends[s]);
     const CondensedMotion motion(model, piece, both.data());
     const CondensedMotion::Vector12 before = motion.velocity(both.data(), 0.0), after = motion.velocity(both.data(), dt_last);
     energy -= 0.5 * before.dot(model.M * after);
-    const GrainLoads loads = motion.all(model, both.data(), turned_back(ends->axes, gravity).data());
+    const GrainLoads loads = motion.all_loads(model, both.data(), turned_back(ends->axes, gravity).data());
     double other[2][6] = {};
     for (int d = 0; d < 3; ++d) {
       other[0][d] = ends[s].force[d] - loads.of[0][d];

@@ -44,20 +44,21 @@ bool is_too_heavy(const CondensedModel& model, const BondRecord& record) {
 }
 
 // Hash of the parameters on which all solutions depend.
-std::size_t hash_of_run(const PenaltyParameters& links, double inertia) {
+std::size_t hash_of_run(const PenaltyParameters& links, double scaled_density) {
   std::size_t hash = 0;
-  for (double number : {links.law->stiffness().kn, links.law->stiffness().kt, static_cast<double>(links.at_surface), inertia})
+  for (double number : {links.law->stiffness().kn, links.law->stiffness().kt, static_cast<double>(links.at_surface), scaled_density})
     hash = (hash ^ std::hash<double>()(number)) * 0x9e3779b97f4a7c15ull;
   return hash;
 }
 
 // Nodes may have almost no stiffness beside failed points and at edges without constrained nodes. Such a bond has to
 // converge soon, or it stays resolved. A bond that was condensed before has the full number of steps.
-struct Rim {
-  int failed = 0, ties = 0;
-  explicit Rim(const Bond* b) : failed(b && b->points.any_failed()), ties(b ? static_cast<int>(b->grid.ties.size()) : 0) {}
+struct LooseNodes {
+  int failed = 0, constraints = 0;
+  explicit LooseNodes(const Bond* b)
+      : failed(b && b->points.any_failed()), constraints(b ? static_cast<int>(b->grid.constraints.size()) : 0) {}
   int most_steps(const BondRecord& record) const {
-    return !record.in_motion && (failed || ties == 0) ? kMostStepsOfCandidate : kMostStaticSteps;
+    return !record.in_motion && (failed || constraints == 0) ? kMostStepsOfCandidate : kMostStaticSteps;
   }
 };
 
@@ -67,7 +68,7 @@ void complete(MPI_Comm comm, CondensedModel& model) {
     MPI_Allreduce(MPI_IN_PLACE, model.M.data(), 144, MPI_DOUBLE, MPI_SUM, comm);
     MPI_Allreduce(MPI_IN_PLACE, model.N.data(), 108, MPI_DOUBLE, MPI_SUM, comm);
   }
-  model.find_coupling();
+  model.find_inertial_coupling();
 }
 
 }  // namespace
@@ -143,10 +144,10 @@ bool CondensedBonds::solve_shared(MPI_Comm comm, Bonds& bonds, int row, const La
   if (is_in_pieces(row)) {
     s = of_pieces(comm, b, record, law);
   } else {
-    Rim rim(b);
-    for (int* of_any : {&rim.failed, &rim.ties}) MPI_Allreduce(MPI_IN_PLACE, of_any, 1, MPI_INT, MPI_MAX, comm);
+    LooseNodes loose(b);
+    for (int* of_any : {&loose.failed, &loose.constraints}) MPI_Allreduce(MPI_IN_PLACE, of_any, 1, MPI_INT, MPI_MAX, comm);
     try {
-      s = solved(comm, b, record, law, rim.most_steps(record));
+      s = solved(comm, b, record, law, loose.most_steps(record));
     } catch (const BadState&) {
       if (record.in_motion) throw;
       return false;
@@ -158,7 +159,7 @@ bool CondensedBonds::solve_shared(MPI_Comm comm, Bonds& bonds, int row, const La
 }
 
 std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law,
-                                       const PenaltyParameters& links, double inertia) {
+                                       const PenaltyParameters& links, double scaled_density) {
   struct Known {
     const Bond* bond;
     const BondRecord* record;
@@ -169,7 +170,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
   std::vector<char> cut(rows.size(), 0), solved_already(rows.size(), 1);
   std::vector<int> without;  // rows that did not converge
   std::string trouble;
-  const std::size_t of_all = hash_of_run(links, inertia);
+  const std::size_t hash_of_all = hash_of_run(links, scaled_density);
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const int row = rows[n];
     Bond* b = bonds.find(row);
@@ -181,7 +182,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
     // shared nodes do not show whether ranks cut the bond: pieces of a separated bond share none, and may be on two ranks
     cut[n] = !bonds.is_whole(*b);
     const BondDescription mine = described(*b, bonds.table[row]);
-    const std::size_t hash = mine.hash() ^ of_all;
+    const std::size_t hash = mine.hash() ^ hash_of_all;
     const auto before = described_.find(row);
     solved_already[n] = before != described_.end() && before->second == hash && solutions_.count(row) > 0;
     described_[row] = hash;
@@ -199,7 +200,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
     }
     const BondRecord& record = bonds.table[row];
     try {
-      solutions_[row] = solved(MPI_COMM_SELF, b, record, law, Rim(b).most_steps(record));
+      solutions_[row] = solved(MPI_COMM_SELF, b, record, law, LooseNodes(b).most_steps(record));
       known.emplace(hash, Known{b, &record, solutions_[row]});
       ++solved_last_;
     } catch (const BadState& e) {
@@ -227,16 +228,16 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
 }
 
 void CondensedBonds::install_templates(MPI_Comm comm, std::vector<TemplateBond> laid_out, int templates, bool all_anew, const Law& law,
-                                       const PenaltyParameters& links, double inertia) {
+                                       const PenaltyParameters& links, double scaled_density) {
   solved_last_ = 0;
   std::map<int, TemplateSolution> before;
   if (all_anew) before.swap(templates_);
-  const std::size_t of_all = hash_of_run(links, inertia);
+  const std::size_t hash_of_all = hash_of_run(links, scaled_density);
   std::string trouble;
   for (TemplateBond& o : laid_out) {
     TemplateSolution& p = templates_[o.point_template];
     p.of = std::move(o);
-    p.described = described(p.of.bond, p.of.record).hash() ^ of_all;
+    p.described = described(p.of.bond, p.of.record).hash() ^ hash_of_all;
     const TemplateSolution was = std::move(before[p.of.point_template]);
     if (was.solution && was.described == p.described) {
       p.solution = was.solution;
@@ -450,7 +451,8 @@ std::array<BondEnd, 2> CondensedBonds::loaded_ends_of_member(std::size_t member,
   const BondRecord& record = record_of(member, bonds, piece);
   auto ends = pack_.ends(static_cast<int>(member), record);
   const CondensedModel& model = model_of(member);
-  const GrainLoads loads = CondensedMotion(model, record, ends.data()).all(model, ends.data(), turned_back(ends[0].axes, gravity).data());
+  const GrainLoads loads =
+      CondensedMotion(model, record, ends.data()).all_loads(model, ends.data(), turned_back(ends[0].axes, gravity).data());
   for (BondEnd& s : ends) s.row = members_[member].row;
   loads.add_to(ends.data());
   return ends;
@@ -488,7 +490,7 @@ EnergyBalance::StepWork CondensedBonds::work(const BondedGrains& grains, const B
       const std::array<double, 6> f = in_box(s, s.force, s.torque);
       for (int d = 0; d < 6; ++d) {
         work.now -= dt_last * f[d] * g->state->v_end[d];
-        work.before -= dt_last * f[d] * g->state->v[d];
+        work.with_velocity_before -= dt_last * f[d] * g->state->v[d];
       }
     }
     if (!m.owns) continue;
@@ -498,7 +500,7 @@ EnergyBalance::StepWork CondensedBonds::work(const BondedGrains& grains, const B
     const CondensedMotion::Vector12 weight = model.M * motion.uniform(turned_back(ends[0].axes, gravity).data()),
                                     q = motion.velocity(ends.data(), 0.0);
     const double before = dt_last * q.dot(weight);
-    work.before += before;
+    work.with_velocity_before += before;
     work.now += before + 0.5 * dt_last * dt_last * (motion.velocity(ends.data(), 1.0) - q).dot(weight);
   }
   return work;
@@ -514,7 +516,7 @@ double CondensedBonds::work_of_commands(const Bonds& bonds, double dt_last) cons
     const auto ends = pack_.ends(static_cast<int>(member), record);
     const CondensedModel& model = model_of(member);
     const CondensedMotion motion(model, record, ends.data());
-    const CondensedMotion::Vector12 change = motion.of_ends(ends[0].jump, ends[1].jump);
+    const CondensedMotion::Vector12 change = motion.to_q(ends[0].jump, ends[1].jump);
     work += (motion.velocity(ends.data(), dt_last) + 0.5 * change).dot(model.M * change);
   }
   return work;
@@ -546,7 +548,7 @@ double CondensedBonds::largest_root(Bond& b, const BondRecord& record, int membe
   const double of_film = largest_root_of_drive(b.film.points, law, nullptr);
   if (!options.advance.nonlocal) return std::max(of_film, largest_root_of_drive(b.points, law, nullptr));
   DriveAverage average;  // temporary: a condensed bond keeps no lists for it
-  average.find(b.points, b.grid, law, sweeps_for(options.length, options.cell, options.basis), {&record, options.imperfection});
+  average.find(b.points, b.grid, law, smoothing_passes_for(options.length, options.cell, options.basis), {&record, options.imperfection});
   const double root = largest_root_of_drive(b.points, law, &b.grid);
   b.grid.drive_average.clear();
   return std::max(of_film, root);

@@ -42,12 +42,12 @@ namespace mpdem {
 class CondensedBonds {
  public:
   // Collective. Solves those of the rows that the table marks as condensed, and that are new or changed. They must be
-  // laid out in the configuration at creation. Solved bonds have no loads before bind(). links, inertia: what the
+  // laid out in the configuration at creation. Solved bonds have no loads before bind(). links, scaled_density: what the
   // solutions depend on besides the bonds. The fields of a bond that carries almost nothing may not converge. Such a bond
   // becomes resolved if no step has moved it yet. Returns the rows of these bonds, the same on all ranks. Throws BadState
   // if the fields of other bonds do not converge.
   std::vector<int> solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links,
-                         double inertia);
+                         double scaled_density);
   // Sets whether a row is condensed as rigid pieces. The same on all ranks. Call before solve().
   void set_in_pieces(int row, bool yes) {
     if (yes) in_pieces_.insert(row);
@@ -66,7 +66,7 @@ class CondensedBonds {
   // Collective. Adds the laid-out bonds of templates to those that are here, or replaces these (all_anew). Solves those
   // that are new or changed. templates: number of templates. Call before solve().
   void install_templates(MPI_Comm comm, std::vector<TemplateBond> laid_out, int templates, bool all_anew, const Law& law,
-                         const PenaltyParameters& links, double inertia);
+                         const PenaltyParameters& links, double scaled_density);
   bool has_template(int point_template) const { return templates_.count(point_template) > 0; }
   // Calls f(bond) for each template that this rank counts, so that each template counts on one rank.
   template <class F>

@@ -22,7 +22,7 @@ BondRecord record_of_piece(const BondRecord& record, int s) {
   return piece;
 }
 
-std::array<BondEnd, 2> loaded_ends_of_piece(const BondEnd& end) { return {end, end}; }
+std::array<BondEnd, 2> both_ends_on(const BondEnd& end) { return {end, end}; }
 
 namespace {
 int lanes_in_fragments(const BlockMeta& m) { return m.occupied & ~m.failed & ~m.connected[0] & ~m.connected[1]; }
@@ -99,7 +99,7 @@ GrainLoads loads_of_pieces(const std::vector<CondensedModel>& models, const Bond
   GrainLoads loads;
   for (int s = 0; s < 2; ++s) {
     const BondRecord piece = record_of_piece(record, s);
-    const auto both = loaded_ends_of_piece(ends[s]);
+    const auto both = both_ends_on(ends[s]);
     const CondensedMotion motion(models[s], piece, both.data());
     const GrainLoads of_piece = motion.loads(f(s, motion, both));
     std::copy(of_piece.of[0], of_piece.of[0] + 6, loads.of[s]);

@@ -28,7 +28,7 @@ namespace mpdem {
 // The record of the piece on grain s of the bond: both of its grains are that grain.
 BondRecord record_of_piece(const BondRecord& record, int s);
 // Both ends of a piece: each is the end of the bond on the grain of the piece.
-std::array<BondEnd, 2> loaded_ends_of_piece(const BondEnd& end);
+std::array<BondEnd, 2> both_ends_on(const BondEnd& end);
 
 // Number of points in fragments on this rank. The bond must be separated.
 int points_in_fragments(const PointStore& points);

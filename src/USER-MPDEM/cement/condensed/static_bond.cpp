@@ -32,10 +32,10 @@ constexpr double kShift = 1e-4;
 constexpr int kMostStepsOfForce = 1000;
 
 // The equations of one bond. Vectors have three numbers a node. Constrained nodes are no unknowns.
-// held: share that gives the shift of the operator, see kShift; 0: no shift.
+// shift_share: share that gives the shift of the operator, see kShift; 0: no shift.
 class Equations {
  public:
-  Equations(MPI_Comm comm, const StaticSystem* system, double held = 0.0) : comm_(comm), system_(system) {
+  Equations(MPI_Comm comm, const StaticSystem* system, double shift_share = 0.0) : comm_(comm), system_(system) {
     std::vector<double> stiffness;
     if (system) {
       stiffness.resize(system->grid.size());
@@ -45,7 +45,7 @@ class Equations {
     double square = 0.0;
     for (std::size_t i = 0; i < stiffness.size(); ++i)
       if (moves(i)) square = std::max(square, stiffness[i] / system->grid.mass[i]);
-    square = held > 0.0 ? held * largest(square) : 0.0;
+    square = shift_share > 0.0 ? shift_share * largest(square) : 0.0;
     if (!system) return;
     Grid& grid = system->grid;
     secants_ = system->links.secants(grid, system->ends);
@@ -69,15 +69,15 @@ class Equations {
     if (!system_) return;
     Grid& grid = system_->grid;
     std::fill(out.begin(), out.end(), 0.0);
-    grid.ties.extend(x.data());
+    grid.constraints.extend(x.data());
     add_stiffness_force(system_->points, grid, system_->law, x.data(), out.data());
     system_->links.add_small_force(secants_, x.data(), motion, out.data(), load);
-    grid.ties.gather_to_masters(out.data());
+    grid.constraints.gather_to_masters(out.data());
     grid.halo.sum(out.data(), 3);
   }
 
   // Sums over the nodes of all ranks: r.P r with the preconditioner P, and a.b.
-  double size_of(const std::vector<double>& r) const {
+  double squared_norm(const std::vector<double>& r) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < inverse_.size(); ++i)
       if (counts(i)) sum += inverse_[i] * (r[3 * i] * r[3 * i] + r[3 * i + 1] * r[3 * i + 1] + r[3 * i + 2] * r[3 * i + 2]);
@@ -91,7 +91,7 @@ class Equations {
   }
   double preconditioned(std::size_t i) const { return inverse_[i / 3]; }
   // The shift of component i.
-  double held(std::size_t i) const { return shift_[i / 3]; }
+  double shift(std::size_t i) const { return shift_[i / 3]; }
 
   // Maximum and sum over the ranks of the bond.
   double largest(double mine) const {
@@ -109,7 +109,7 @@ class Equations {
 
  private:
   bool counts(std::size_t node) const { return system_->grid.halo.counts_here()[node]; }
-  bool moves(std::size_t node) const { return system_->grid.ties.row(static_cast<int>(node)) < 0 && system_->grid.mass[node] > 0.0; }
+  bool moves(std::size_t node) const { return system_->grid.constraints.row(static_cast<int>(node)) < 0 && system_->grid.mass[node] > 0.0; }
   MPI_Comm comm_;
   const StaticSystem* system_;
   std::vector<PenaltyLinks::Secant> secants_;
@@ -149,27 +149,27 @@ std::vector<double> first_guess(const StaticSystem& p, const BondFrame& frame, i
 int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double decline, int most) {
   const Motion at_rest = {};
   Motion load;
-  std::vector<double> p(r.size(), 0.0), Kp(r.size());
+  std::vector<double> p(r.size(), 0.0), minus_Kp(r.size());
   std::vector<double> taken;  // reduction of energy by each step
-  double rho = equations.size_of(r), before = 0.0;
+  double rho = equations.squared_norm(r), before = 0.0;
   while (rho > kResidual * energy) {
     const double beta = before > 0.0 ? rho / before : 0.0;
     for (std::size_t i = 0; i < r.size(); ++i) p[i] = equations.preconditioned(i) * r[i] + beta * p[i];
-    equations.force(p, at_rest, Kp, load);  // Kp is the force on the nodes, -K p
-    for (std::size_t i = 0; i < r.size(); ++i) Kp[i] -= equations.held(i) * p[i];
-    const double pKp = -equations.dot(p, Kp);
+    equations.force(p, at_rest, minus_Kp, load);  // -K p is the force on the nodes
+    for (std::size_t i = 0; i < r.size(); ++i) minus_Kp[i] -= equations.shift(i) * p[i];
+    const double pKp = -equations.dot(p, minus_Kp);
     const int steps = static_cast<int>(taken.size()) + 1, window = std::max(kLeastSteps, steps / 4);
     if (!std::isfinite(pKp) || steps > most) return most + 1;
     if (!(pKp > 0.0)) break;  // the rest of the residual is on nodes without stiffness
     const double a = rho / pKp;
     for (std::size_t i = 0; i < r.size(); ++i) {
       x[i] += a * p[i];
-      r[i] += a * Kp[i];
+      r[i] += a * minus_Kp[i];
     }
     taken.push_back(a * rho);
     if (steps >= window && std::accumulate(taken.end() - window, taken.end(), 0.0) < decline * energy) break;
     before = rho;
-    rho = equations.size_of(r);
+    rho = equations.squared_norm(r);
   }
   return static_cast<int>(taken.size());
 }
@@ -240,8 +240,8 @@ StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
 std::vector<double> static_displacement(MPI_Comm comm, const StaticSystem* system, std::vector<double> force) {
   Equations equations(comm, system, kShift);
   std::vector<double> x(force.size(), 0.0);
-  iterate(equations, x, force, equations.size_of(force), kDecline, kMostStepsOfForce);
-  if (system) system->grid.ties.extend(x.data());
+  iterate(equations, x, force, equations.squared_norm(force), kDecline, kMostStepsOfForce);
+  if (system) system->grid.constraints.extend(x.data());
   return x;
 }
 

@@ -89,9 +89,9 @@ class StiffnessFinder {
     for (const BondedGrains::OwnedEnd& o : grains_.owned) {
       const int point_template = table_[o.row].point_template;
       if (point_template == 0 || o.side != 0) continue;
-      StiffnessOfBond& of_pattern = solved.at(point_template);
-      found_[o.row] = of_pattern;
-      of_pattern.products = 0.0;
+      StiffnessOfBond& of_template = solved.at(point_template);
+      found_[o.row] = of_template;
+      of_template.products = 0.0;
       reported_.push_back(o.row);
     }
   }

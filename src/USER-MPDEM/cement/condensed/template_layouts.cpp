@@ -30,7 +30,7 @@ std::vector<CondensedBonds::TemplateBond> layouts_at_creation(const Scene& scene
     requests.back().layers = std::move(layers[b.row]);
     rows.push_back(b.row);
   }
-  const LayoutRules rules{MPI_COMM_SELF, alone.table, options, scene.law, scene.inertia, penalty, splits, *scene.formulation};
+  const LayoutRules rules{MPI_COMM_SELF, alone.table, options, scene.law, scene.scaled_density, penalty, splits, *scene.formulation};
   std::vector<CondensedBonds::TemplateBond> found;
   for (BondLayout& l : make_layout(rules, rows, std::move(requests))) {
     found.push_back({l.row + 1, Bond(), alone.table[l.row], true});

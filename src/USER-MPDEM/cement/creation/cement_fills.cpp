@@ -56,7 +56,7 @@ std::string broadcast_file(MPI_Comm comm, const std::string& name, std::string& 
 void move_origin(std::vector<FillPoint>& points, const Vector3& to) {
   for (FillPoint& p : points) {
     p.X -= to;
-    for (int k = 0; k < p.links; ++k) p.link[k].foot -= to;
+    for (int k = 0; k < p.link_count; ++k) p.link[k].foot -= to;
   }
 }
 
@@ -65,7 +65,7 @@ void measure(const std::vector<FillPoint>& fill, BondRecord& record) {
   record.volume = record.attached_area[0] = record.attached_area[1] = 0.0;
   for (const FillPoint& p : fill) {
     record.volume += p.volume;
-    for (int k = 0; k < p.links; ++k) record.attached_area[p.link[k].side] += p.link[k].area;
+    for (int k = 0; k < p.link_count; ++k) record.attached_area[p.link[k].side] += p.link[k].area;
   }
 }
 

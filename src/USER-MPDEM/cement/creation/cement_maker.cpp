@@ -190,7 +190,7 @@ BondRecord CementMaker::record_of(std::size_t n) const {
     for (int c = 0; c < 3; ++c) record.centre[s][c] = centre[c];
   }
   const double turn[4] = {to_box.w(), to_box.x(), to_box.y(), to_box.z()};
-  std::copy(turn, turn + 4, record.turn);
+  std::copy(turn, turn + 4, record.axes);
   const std::array<double, 3> ahead = turned(axes_of(record), record.centre[0]);
   for (int c = 0; c < 3; ++c) {
     record.origin[c] = g0.x[c] - ahead[c];

@@ -91,7 +91,7 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Batch& batch, int 
   std::map<int, PointsNear> by_cells;  // points of the fills that are needed
   std::map<std::pair<std::size_t, int>, double> found;
   // Adds the volume of bond k of the batch inside a full cell of the bond of `row`. x: middle of this cell.
-  const auto look = [&](std::size_t k, int row, const Coordinates& of_other, double spacing, const Vector3& x) {
+  const auto add_overlap = [&](std::size_t k, int row, const Coordinates& of_other, double spacing, const Vector3& x) {
     const PointsNear& near =
         by_cells.try_emplace(fill_of_bond_[batch.from + k], fill_of(batch.from + k).points, 2.0 * margin[0]).first->second;
     const double inside = near.volume_around(of[k].into(x), 0.5 * spacing * (1.0 - 1e-6), of[k].to(of_other));
@@ -100,7 +100,7 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Batch& batch, int 
   if (there > 0)
     for (const FullPoint& p : host_.full_points(std::min(rows, there)))
       for (const Vector3& shift : shifts)
-        search.holding(p.x + shift, [&](int k) { look(k, p.row, Coordinates(table_[p.row]), p.width, p.x + shift); });
+        search.holding(p.x + shift, [&](int k) { add_overlap(k, p.row, Coordinates(table_[p.row]), p.width, p.x + shift); });
   const double full = 0.95 * std::pow(wish_.spacing, 3);
   for (std::size_t m = 0; m < batch.records.size() && rows > there; ++m) {
     const Fill& f = fill_of(batch.from + m);
@@ -113,7 +113,8 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Batch& batch, int 
           const double width = width_filled(p, wish_.spacing, full);
           if (width == 0.0) continue;
           const Vector3 x = of[m].out(p.X);
-          if (search.box(k).contains(x + shift) && plan_.box().owns(x)) look(k, there + static_cast<int>(m), of[m], width, x + shift);
+          if (search.box(k).contains(x + shift) && plan_.box().owns(x))
+            add_overlap(k, there + static_cast<int>(m), of[m], width, x + shift);
         }
       });
   }
@@ -207,14 +208,14 @@ void CementMaker::check_other_grains(const Batch& batch, BondTrouble& trouble) c
 
 // Checks the numbers of bonds and of IDs, and finds points outside the box.
 void CementMaker::check_numbers(const Batch& batch, BondTrouble& trouble) const {
-  std::size_t bodies = table_.size();
+  std::size_t bonds = table_.size();
   double last = last_tag_;
   for (std::size_t k = 0; k < batch.records.size(); ++k) {
     if (!batch.kept[k]) continue;
     const std::size_t n = batch.from + k;
     const BondRecord& record = batch.records[k];
-    if (bodies++ == std::numeric_limits<int>::max())
-      trouble.tell(n, numbers, plan_.prefix(n) + text_of("there are ", bodies - 1, " bonds, which is the most"));
+    if (bonds++ == std::numeric_limits<int>::max())
+      trouble.tell(n, numbers, plan_.prefix(n) + text_of("there are ", bonds - 1, " bonds, which is the most"));
     if (!wish_.later) last += record.points;
     if (last > 2147483647.0)
       trouble.tell(n, numbers, plan_.prefix(n) + text_of(record.points, " points exceed the number of atom IDs; use a larger spacing"));

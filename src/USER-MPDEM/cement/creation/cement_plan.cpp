@@ -244,7 +244,7 @@ const Shape& CementPlan::resolved_of(int kind) {
 }
 
 std::vector<std::vector<CementPlan::Near>> CementPlan::neighbours() {
-  struct GridIndex {
+  struct PlacedBond {
     Vector3 middle;
     std::size_t bond;
     bool image;
@@ -257,7 +257,7 @@ std::vector<std::vector<CementPlan::Near>> CementPlan::neighbours() {
   }
   const Vector3 low(box_.low[0], box_.low[1], box_.low[2]), high(box_.high[0], box_.high[1], box_.high[2]);
   const int images[3] = {box_.periodic[0], box_.periodic[1], box_.periodic[2]};
-  std::vector<GridIndex> places;
+  std::vector<PlacedBond> places;
   for (std::size_t n = 0; n < bonds_.size(); ++n)
     for (int i = -images[0]; i <= images[0]; ++i)
       for (int j = -images[1]; j <= images[1]; ++j)
@@ -269,13 +269,13 @@ std::vector<std::vector<CementPlan::Near>> CementPlan::neighbours() {
           if (image && ((x - low).minCoeff() < -reach || (high - x).minCoeff() < -reach)) continue;
           places.push_back({x, n, image});
         }
-  std::sort(places.begin(), places.end(), [](const GridIndex& a, const GridIndex& b) {
+  std::sort(places.begin(), places.end(), [](const PlacedBond& a, const PlacedBond& b) {
     return a.middle[0] != b.middle[0] ? a.middle[0] < b.middle[0] : a.bond < b.bond;
   });
   std::vector<std::vector<Near>> near(bonds_.size());
   for (std::size_t n = 0; n < places.size(); ++n)
     for (std::size_t m = n + 1; m < places.size() && places[m].middle[0] - places[n].middle[0] <= 2.0 * widest; ++m) {
-      const GridIndex &a = places[n], &b = places[m];
+      const PlacedBond &a = places[n], &b = places[m];
       const Vector3 apart = b.middle - a.middle;
       if ((apart.cwiseAbs().array() > (extent[a.bond] + extent[b.bond]).array()).any()) continue;
       const Eigen::Quaterniond of_a = bonds_[a.bond].turn.conjugate(), of_b = bonds_[b.bond].turn.conjugate();

@@ -353,7 +353,7 @@ class PointFile {
       k.area = p.volume * R * R / (r * r * layer);
     }
     cloud_.attached_area[s] += k.area;
-    p.link[p.links++] = k;
+    p.link[p.link_count++] = k;
   }
 
   // Reads the area from the file. Returns false if it is zero.
@@ -414,7 +414,7 @@ class PointFile {
     for (FillPoint& p : turned) {
       p.X = T * p.X;
       p.axis = T * p.axis;
-      for (int k = 0; k < p.links; ++k) p.link[k].foot = T * p.link[k].foot;
+      for (int k = 0; k < p.link_count; ++k) p.link[k].foot = T * p.link[k].foot;
       const double* D = p.damage;
       const Matrix3 d = T * (Matrix3() << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2]).finished() * T.transpose();
       const double along[6] = {d(0, 0), d(1, 1), d(2, 2), d(1, 2), d(0, 2), d(0, 1)};

@@ -19,9 +19,9 @@ struct SceneBox {
   bool periodic[3] = {false, false, false};
   double own_low[3] = {0, 0, 0}, own_high[3] = {0, 0, 0};
 
-  // Returns the shortest of the vectors from a position to the images of another. way: any of these vectors.
-  Vector3 shortest(const Vector3& way) const {
-    Vector3 d = way;
+  // Returns the shortest of the vectors from a position to the images of another, given any of them.
+  Vector3 shortest(const Vector3& any_vector) const {
+    Vector3 d = any_vector;
     for (int c = 0; c < 3; ++c)
       if (periodic[c] && std::fabs(d[c]) > 0.5 * period[c]) d[c] += d[c] < 0.0 ? period[c] : -period[c];
     return d;
@@ -37,7 +37,7 @@ struct SceneBox {
     return all;
   }
   // Wraps x into the box by whole periods, and adds their number to `image`. Returns whether x belongs to this rank.
-  bool take_in(double* x, int* image) const {
+  bool wrap(double* x, int* image) const {
     bool own = true;
     for (int c = 0; c < 3; ++c) {
       if (periodic[c]) {
@@ -52,7 +52,7 @@ struct SceneBox {
   bool owns(const Vector3& at) const {
     double x[3] = {at[0], at[1], at[2]};
     int image[3] = {0, 0, 0};
-    return take_in(x, image);
+    return wrap(x, image);
   }
   Box own() const { return Box(Vector3(own_low[0], own_low[1], own_low[2]), Vector3(own_high[0], own_high[1], own_high[2])); }
 };

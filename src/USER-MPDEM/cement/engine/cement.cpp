@@ -132,7 +132,7 @@ void Cement::set_density(double density) {
   if (scene_.rows_started > 0 && std::fabs(density - scene_.density()) > 1e-12 * density)
     throw BadState(text_of("the density of the points is ", density, ", and was ", scene_.density(),
                            " in the steps before; change it before the first run"));
-  scene_.inertia = scene_.options.mass_scale * density;
+  scene_.scaled_density = scene_.options.mass_scale * density;
 }
 
 void Cement::read_commanded_velocities() {
@@ -141,17 +141,17 @@ void Cement::read_commanded_velocities() {
   scene_.energy.do_work(condensed_.work_of_commands(scene_.bonds(), scene_.dt_last));
   if (added_.any()) {
     // Work of forces on the nodes, in the second half of the last step, on the velocity kick() times the acceleration.
-    const auto power = [&](auto of_bond) {
+    const auto work = [&](auto of_bond) {
       double sum = 0.0;
       for (const Bond& b : scene_.bonds().resolved()) sum += of_bond(b, b.grid.acceleration);
       return 0.25 * scene_.dt_last * (scene_.dt_last + scene_.now.dt) * sum;
     };
     const auto of_loads = [&](const Bond& b, const std::vector<double>& v) { return work_.load_power(b, v); };
     const auto inertial = [&](const Bond& b, const std::vector<double>& v) { return work_.inertial_power(b, v); };
-    const double loads_before = power(of_loads), inertial_before = power(inertial);
+    const double loads_before = work(of_loads), inertial_before = work(inertial);
     grains.read_commanded_velocities(scene_.comm, scene_.bonds(), scene_.now.dt, scene_.dt_last, scene_.energy);
-    scene_.energy.do_work(power(of_loads) - loads_before);
-    scene_.energy.do_inertial_work(power(inertial) - inertial_before);
+    scene_.energy.do_work(work(of_loads) - loads_before);
+    scene_.energy.do_inertial_work(work(inertial) - inertial_before);
   }
   grains.count_commands(scene_.dt_last, scene_.energy);
 }
@@ -234,7 +234,7 @@ void Cement::start_step(bool commands) {
 void Cement::grains_moved() {
   go_on("grains_moved", Stage::step_started, Stage::grains_moved);
   if (scene_.now.substeps > 1) take_substeps();
-  else scene_.grains.turn(scene_.now.dt);
+  else scene_.grains.rotate(scene_.now.dt);
 }
 
 void Cement::step() {

@@ -52,7 +52,7 @@ class Cement {
   void set_density(double density);
   void set_most_bytes(double bytes) { scene_.options.most_bytes = bytes; }
   double density() const { return scene_.density(); }
-  double inertia() const { return scene_.inertia; }  // density times the mass scale
+  double scaled_density() const { return scene_.scaled_density; }  // density times the mass scale
   // Sets the parameters of the links; null: no links.
   void couple(const PenaltyParameters* penalty);
   const std::optional<PenaltyParameters>& penalty() const { return scene_.penalty; }

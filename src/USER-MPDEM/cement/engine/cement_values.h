@@ -13,7 +13,7 @@
 namespace mpdem {
 
 struct CementValue {
-  const char *name, *words;
+  const char *name, *description;
   double (*of)(const CementTotals&);  // null: the host provides it
   bool of_contacts = false;           // needs the contact forces of the host
 };

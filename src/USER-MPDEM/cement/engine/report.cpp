@@ -73,7 +73,7 @@ struct NodeSums {
 
 // Writes force, moment, and position of the grain from the origin of the bond coordinates, in the axes of the box.
 // of_other_substeps: share of the impulse of a step that acts in its other sub-steps.
-void tell(const BondEnd& s, double of_other_substeps, double* row) {
+void write_end(const BondEnd& s, double of_other_substeps, double* row) {
   const std::array<double, 6> load = in_box(s, s.force, s.torque), impulse = in_box(s, s.impulse, s.impulse + 3);
   const std::array<double, 3> x = turned(s.axes, s.x);
   for (int d = 0; d < 6; ++d) row[d] = load[d] - of_other_substeps * impulse[d];
@@ -95,11 +95,11 @@ double kinetic_energy(const Grain& g) {
   return sum;
 }
 
-// See Report::EnergyShares. cement_load, of_grains: kinetic energy of the cement and of the grains. put_in: energy put
-// into the cement. Rounding, and work that the energy balance does not count, may make it smaller than cement_load.
-double kinetic_share_of(double cement_load, double of_grains, double put_in) {
-  const double all = of_grains + std::max(put_in, cement_load);
-  return all > 0.0 ? (of_grains + cement_load) / all : 0.0;
+// See Report::EnergyShares. of_cement, of_grains: kinetic energy of the cement and of the grains. put_in: energy put
+// into the cement. Rounding, and work that the energy balance does not count, may make it smaller than of_cement.
+double kinetic_share_of(double of_cement, double of_grains, double put_in) {
+  const double all = of_grains + std::max(put_in, of_cement);
+  return all > 0.0 ? (of_grains + of_cement) / all : 0.0;
 }
 
 void count_bonds(const Cracks& cracks, int resolved, CementTotals& t) {
@@ -281,16 +281,16 @@ const std::vector<BondState>& Report::bond_loads() {
   for (std::size_t i = 0; i < n; ++i) states_[i].peak = peak[i];
   if (!scene_.laid_out) return states_;
   const double of_other_substeps = 1.0 - 1.0 / scene_.now.substeps;
-  constexpr std::size_t kSide = 9, width = 2 * kSide;  // see tell()
+  constexpr std::size_t kSide = 9, width = 2 * kSide;  // see write_end()
   std::vector<double> sum(width * n, 0.0);
   for (const BondedGrains::OwnedEnd& o : scene_.grains.owned()) {
     if (!scene_.penalty) break;
     const BondEnd& s = scene_.grains.ends.ends[o.at];
-    tell(s, of_other_substeps, &sum[width * o.row + kSide * o.side]);
+    write_end(s, of_other_substeps, &sum[width * o.row + kSide * o.side]);
   }
   for (int bond_row : condensed_.owned_rows()) {
     const std::array<BondEnd, 2> ends = condensed_.loaded_ends(bond_row, scene_.bonds(), scene_.weight().data());
-    for (int s = 0; s < 2; ++s) tell(ends[s], of_other_substeps, &sum[width * bond_row + kSide * s]);
+    for (int s = 0; s < 2; ++s) write_end(ends[s], of_other_substeps, &sum[width * bond_row + kSide * s]);
   }
   global_sum(sum, scene_.comm);
   for (std::size_t i = 0; i < n; ++i) {
@@ -374,8 +374,8 @@ double Report::cement_mass() const {
   double sum = 0.0;
   for (const Bond& bond : scene_.bonds())
     for (const PointStore* store : bond.stores())
-      for (const PointBlock& b : store->blocks) sum += scene_.inertia * sum_lanes(b.volume);
-  for (int row : condensed_.rows_without_points(scene_.bonds())) sum += scene_.inertia * scene_.bonds().table[row].volume;
+      for (const PointBlock& b : store->blocks) sum += scene_.scaled_density * sum_lanes(b.volume);
+  for (int row : condensed_.rows_without_points(scene_.bonds())) sum += scene_.scaled_density * scene_.bonds().table[row].volume;
   return sum;
 }
 

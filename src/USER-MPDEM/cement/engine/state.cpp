@@ -28,7 +28,7 @@ DamageLawSettings law_of(const Law& law, const CementOptions& o) {
 }
 
 // Copies the options of the script to the head of a restart file.
-void parse_words(CementHead& head, const CementOptions& o, const Law& law) {
+void copy_options(CementHead& head, const CementOptions& o, const Law& law) {
   head.cell = o.cell;
   head.basis = o.basis;
   head.updated = o.updated;
@@ -44,7 +44,7 @@ void parse_words(CementHead& head, const CementOptions& o, const Law& law) {
 
 // Options that must not change once the cement has moved. rounding: allowed relative difference of the numbers.
 struct KeptOption {
-  std::string words;
+  std::string description;
   std::vector<double> numbers = {};
   double rounding = 0.0;
 };
@@ -66,18 +66,18 @@ std::vector<KeptOption> kept_options(const CementHead& h) {
 }
 
 bool same(const KeptOption& a, const KeptOption& b) {
-  if (a.numbers.empty()) return a.words == b.words;
+  if (a.numbers.empty()) return a.description == b.description;
   return std::equal(a.numbers.begin(), a.numbers.end(), b.numbers.begin(),
                     [&](double x, double y) { return std::fabs(x - y) <= a.rounding * std::fabs(y); });
 }
 
 void check_kept(const CementHead& head, const CementOptions& o, const Law& law) {
   CementHead given;
-  parse_words(given, o, law);
+  copy_options(given, o, law);
   const std::vector<KeptOption> now = kept_options(given), before = kept_options(head);
   for (std::size_t n = 0; n < now.size(); ++n)
     if (!same(now[n], before[n]))
-      throw BadState(text_of("'", now[n].words, "' but the restart file was written with '", before[n].words,
+      throw BadState(text_of("'", now[n].description, "' but the restart file was written with '", before[n].description,
                              "'; use that, since the load or the energy of the bonds would jump"));
 }
 
@@ -103,7 +103,7 @@ std::string Cement::changed_options_since(const CementHead& head) const {
 }
 
 std::vector<double> Cement::packed_state(CementHead head) {
-  parse_words(head, scene_.options, *scene_.law);
+  copy_options(head, scene_.options, *scene_.law);
   head.step = scene_.dt_last;
   head.rows_started = scene_.rows_started;
   head.start_energy = scene_.energy.start_energy();
@@ -166,7 +166,7 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
   const std::size_t table = scene_.bonds().table.size();
   scene_.dt_last = head.step;
   scene_.rows_started = head.rows_started;
-  scene_.inertia = scene_.options.mass_scale * head.density;
+  scene_.scaled_density = scene_.options.mass_scale * head.density;
   stable_step_.restore(head.eigenvalue);
   restored_ = true;
   const int me = rank_in(scene_.comm);

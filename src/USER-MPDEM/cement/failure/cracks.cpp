@@ -20,7 +20,7 @@ struct Sent {
   int row, slot;
   CrackPoint point;
 };
-struct Held {
+struct Connected {
   int row, slot, connected;
 };
 struct OfPath {
@@ -154,19 +154,19 @@ WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& ro
 bool Cracks::add_bonds(std::size_t rows) {
   const bool some_are_new = states_.size() < rows;
   states_.resize(rows);
-  for (; with_path_ < rows; ++with_path_) {
-    states_[with_path_].path_cut = true;
-    new_.push_back(static_cast<int>(with_path_));
+  for (; registered_ < rows; ++registered_) {
+    states_[registered_].path_cut = true;
+    new_.push_back(static_cast<int>(registered_));
   }
   return some_are_new;
 }
 
 void Cracks::watch(const Bond& bond) {
-  for (int slot : bond.failed) note(bond, slot);
+  for (int slot : bond.failed) note_failure(bond, slot);
 }
 
 void Cracks::note_debonded_links(const Bond& bond) {
-  for (int link : bond.link_step.debond) note(bond, bond.points.links[link].slot);
+  for (int link : bond.link_step.debond) note_failure(bond, bond.points.links[link].slot);
 }
 
 // Intact film bridges the grains, wherever the rest is cracked.
@@ -178,7 +178,7 @@ void Cracks::note_film_failure(const Bond& bond) {
 }
 
 // Records that no path leads over the point of this slot any more, or from it to a grain.
-void Cracks::note(const Bond& bond, int slot) {
+void Cracks::note_failure(const Bond& bond, int slot) {
   State& s = states_[bond.row];
   if (s.path_cut || s.separation.separated) return;
   s.path_cut = s.path.empty() || std::binary_search(s.path.begin(), s.path.end(), bond.points.tag(slot));
@@ -215,7 +215,7 @@ std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool w
   };
   std::vector<int> rows = union_of_ranks(comm, take(cut_));
   const std::vector<int> fresh = take(new_);
-  rows.insert(rows.end(), fresh.begin(), fresh.end());  // none is in `rows` yet: note() skips rows whose path is cut
+  rows.insert(rows.end(), fresh.begin(), fresh.end());  // none is in `rows` yet: note_failure() skips rows whose path is cut
   for (int row : rows) states_[row].path_cut = false;
   rows.erase(std::remove_if(rows.begin(), rows.end(), [&](int row) { return states_[row].separation.separated; }), rows.end());
   if (with_separated) {
@@ -251,7 +251,7 @@ Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const Ceme
 
   // entries of bonds that another rank examines are empty
   const WholeBonds whole = collect(comm, bonds, examined, options);
-  std::vector<std::vector<Held>> held(ranks);
+  std::vector<std::vector<Connected>> of_points(ranks);
   std::vector<std::vector<OfPath>> paths(ranks);
   constexpr int kRow = 9;  // separated, three areas, `connected` changed, has points, three areas of the film
   std::vector<double> result(kRow * examined.size(), 0.0);
@@ -286,10 +286,10 @@ Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const Ceme
       const WholeBonds::Source& at = whole.sources[n][k];
       const int connected = separations[n].separated ? separations[n].attached_grains[k] : point.connected;
       if (connected == point.connected) continue;
-      held[at.rank].push_back({examined[n], at.slot, connected});
+      of_points[at.rank].push_back({examined[n], at.slot, connected});
       result[kRow * n + 4] = 1.0;
     }
-  for (const Held& h : all_to_all(comm, held).data) bonds.find(h.row)->points.set_connected(h.slot, h.connected);
+  for (const Connected& p : all_to_all(comm, of_points).data) bonds.find(p.row)->points.set_connected(p.slot, p.connected);
   for (int r : examined) states_[r].path.clear();
   for (const OfPath& p : all_to_all(comm, paths).data) states_[p.row].path.push_back(p.tag);
   MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, comm);
@@ -304,7 +304,7 @@ Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const Ceme
       s.separation.inside = row[3] + row[8];
       if (row[5] != 0.0) found.separated_bonds.rows.push_back(examined[k]);
     }
-    if (row[4] != 0.0) found.held.push_back(examined[k]);
+    if (row[4] != 0.0) found.connected.push_back(examined[k]);
   }
   return found;
 }
@@ -351,17 +351,18 @@ std::vector<Cracks::LigamentReport> Cracks::find_ligaments(MPI_Comm comm, const 
 std::map<int, std::vector<char>> Cracks::attached_grains(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
                                                          const std::vector<int>& rows) const {
   const WholeBonds whole = collect(comm, bonds, rows, options);
-  std::vector<std::vector<Held>> back(ranks_of(comm));
+  std::vector<std::vector<Connected>> back(ranks_of(comm));
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const std::vector<CrackPoint>& points = whole.points[n];
     if (points.empty()) continue;
-    const std::vector<char> held = mpdem::attached_grains(points, cells_across(bonds.table[rows[n]], options));
-    for (std::size_t k = 0; k < points.size(); ++k) back[whole.sources[n][k].rank].push_back({rows[n], whole.sources[n][k].slot, held[k]});
+    const std::vector<char> connected = mpdem::attached_grains(points, cells_across(bonds.table[rows[n]], options));
+    for (std::size_t k = 0; k < points.size(); ++k)
+      back[whole.sources[n][k].rank].push_back({rows[n], whole.sources[n][k].slot, connected[k]});
   }
   std::map<int, std::vector<char>> found;
   for (int row : rows)
     if (const Bond* b = bonds.find(row)) found[row].assign(kLanes * b->points.blocks.size(), 0);
-  for (const Held& h : all_to_all(comm, back).data) found[h.row][h.slot] = static_cast<char>(h.connected);
+  for (const Connected& p : all_to_all(comm, back).data) found[p.row][p.slot] = static_cast<char>(p.connected);
   return found;
 }
 

@@ -60,7 +60,7 @@ class Cracks {
   // crack beside the interface, so the width of the damage band is not used then. Rows before `from` wait.
   struct Found {
     NodeSplitting::SeparatedBonds separated_bonds;
-    std::vector<int> held;  // bonds with points whose PointRecord::connected changed; ascending
+    std::vector<int> connected;  // bonds with points whose PointRecord::connected changed; ascending
   };
   Found detect_separations(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool residue, bool with_separated, int from = 0);
 
@@ -89,15 +89,15 @@ class Cracks {
   std::string mode(std::size_t row) const;
 
  private:
-  void note(const Bond& bond, int slot);
+  void note_failure(const Bond& bond, int slot);
   std::vector<int> rows_to_check(MPI_Comm comm, const Bonds& bonds, bool with_separated, int from);
   Separation find_separation(const BondRecord& record, int row, const CementOptions& options, const std::vector<CrackPoint>& points,
                              bool residue) const;
 
   std::vector<State> states_;
-  std::size_t with_path_ = 0;  // number of rows registered by add_bonds()
-  std::vector<int> cut_;       // rows whose path is cut on this rank, each once
-  std::vector<int> new_;       // rows that wait for their first examination, the same on all ranks
+  std::size_t registered_ = 0;  // number of rows registered by add_bonds()
+  std::vector<int> cut_;        // rows whose path is cut on this rank, each once
+  std::vector<int> new_;        // rows that wait for their first examination, the same on all ranks
 };
 
 }  // namespace mpdem

@@ -24,7 +24,7 @@ int node_for(const Grid& grid, const Key& standing) {
 // Writes the aliases of a block into its list.
 void add_aliases(const BlockMeta& m, Grid& grid, const NodeSplitting& splits) {
   int* to = &grid.aliases[m.aliases];
-  for (const Key& k : splits.representative_of(m, support(grid.basis))) *to++ = node_for(grid, k);
+  for (const Key& k : splits.representatives_of(m, support(grid.basis))) *to++ = node_for(grid, k);
 }
 
 // Finds those aliases of a block again that are marked in `touched`.

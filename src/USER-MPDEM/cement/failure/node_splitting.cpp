@@ -199,11 +199,11 @@ NewLayersOfBonds NodeSplitting::apply(MPI_Comm comm, const Bonds& bonds, const s
   return found;
 }
 
-NewLayersOfBonds NodeSplitting::start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& others) {
+NewLayersOfBonds NodeSplitting::start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& with_new_points) {
   const int to = static_cast<int>(bonds.table.size()), ranks = ranks_of(comm), me = rank_in(comm);
   std::vector<char> is_new(to, 0);
-  std::fill(is_new.begin() + first(), is_new.end(), 1);
-  for (int r : others) is_new[r] = 1;
+  std::fill(is_new.begin() + first_new(), is_new.end(), 1);
+  for (int r : with_new_points) is_new[r] = 1;
   std::vector<char> wanted(is_restored_ ? std::vector<char>(to, 1) : is_new);  // restart files have no continuations
   if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) return {};
   known_.resize(to);
@@ -354,7 +354,7 @@ NodeSplitting::Found NodeSplitting::split_pieces(MPI_Comm comm, Bonds& bonds, co
   return found;
 }
 
-void NodeSplitting::leave(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows) {
+void NodeSplitting::remove_volume(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows) {
   std::vector<char> wanted(known_.size(), 0);
   for (int r : rows) wanted[r] = kToCollect;
   find_lattices(comm, bonds, options, wanted);
@@ -367,16 +367,16 @@ void NodeSplitting::leave(MPI_Comm comm, const Bonds& bonds, const CementOptions
   apply(comm, bonds, rows, changes);
 }
 
-void NodeSplitting::bring(MPI_Comm comm, const Bonds& bonds) {
+void NodeSplitting::fetch_copies(MPI_Comm comm, const Bonds& bonds) {
   const int ranks = ranks_of(comm), me = rank_in(comm);
   std::vector<char> moved(known_.size(), 0);
   for (const Bond& b : bonds)
-    if (b.points.changed() && b.row < first()) moved[b.row] = 1;
-  MPI_Allreduce(MPI_IN_PLACE, moved.data(), first(), MPI_SIGNED_CHAR, MPI_MAX, comm);
-  for (int r = 0; r < first(); ++r)
+    if (b.points.changed() && b.row < first_new()) moved[b.row] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, moved.data(), first_new(), MPI_SIGNED_CHAR, MPI_MAX, comm);
+  for (int r = 0; r < first_new(); ++r)
     if (moved[r]) known_[r].edges = false;
   std::vector<std::vector<int>> ask(ranks);
-  for (int r = 0; r < first(); ++r) {
+  for (int r = 0; r < first_new(); ++r) {
     if (r % ranks == me) continue;
     const Bond* bond = bonds.find(r);
     if (!bond || !bond->has_points()) {  // copies here would not be updated; known_.edges stays, the same on all ranks

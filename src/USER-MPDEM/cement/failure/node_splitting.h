@@ -44,10 +44,10 @@ class NodeSplitting {
   virtual ~NodeSplitting() = default;
   virtual std::unique_ptr<NodeSplitting> copy() const { return std::make_unique<NodeSplitting>(*this); }
 
-  // Collective. Splits nodes at the start, in bonds that are new: those from row `first()` of the table on, and
-  // `others`, which had no points before. Points that failed in a file are left to find_splits().
-  virtual NewLayersOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& others = {});
-  int first() const { return static_cast<int>(known_.size()); }
+  // Collective. Splits nodes at the start, in bonds that are new: those from row `first_new()` of the table on, and
+  // `with_new_points`, which had no points before. Points that failed in a file are left to find_splits().
+  virtual NewLayersOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& with_new_points = {});
+  int first_new() const { return static_cast<int>(known_.size()); }
   // Collective. Splits nodes at points that failed since the last call, in resolved bonds, or else in bonds from row
   // `from` on.
   static constexpr int kResolved = -1;
@@ -69,11 +69,11 @@ class NodeSplitting {
   // Collective. Separates the nodes of the pieces of these bonds.
   virtual Found split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds came);
   // Collective. Fetches the phantom nodes of bonds whose points came to this rank.
-  virtual void bring(MPI_Comm comm, const Bonds& bonds);
+  virtual void fetch_copies(MPI_Comm comm, const Bonds& bonds);
 
   // Collective. Removes the volume of points that left the simulation from the phantom nodes of these bonds. rows:
   // ascending, the same on all ranks.
-  virtual void leave(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows);
+  virtual void remove_volume(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows);
 
   // For restart files. rows_to_keep() returns the rows of the bonds that this rank examines, restore() takes those of
   // all bonds.
@@ -86,7 +86,7 @@ class NodeSplitting {
   }
 
   // Edge constraints of the start, of these bonds on this rank, ascending in the constrained node. They hold until they
-  // are dropped, or until bring() finds that points of the bond went to other ranks.
+  // are dropped, or until fetch_copies() finds that points of the bond went to other ranks.
   bool edges_known(const std::vector<int>& rows) const;
   void keep_edges(const std::vector<int>& rows, std::vector<ExtensionConstraint> edges);
   void drop_edges(const std::vector<int>& rows);
@@ -98,7 +98,7 @@ class NodeSplitting {
   virtual Key representative_of(const Key& node) const;
   // The nodes of a block and their representatives, in the order of for_each_node() of mpm/block_nodes.h.
   static std::vector<Key> nodes_of(const BlockMeta& block, int support);
-  std::vector<Key> representative_of(const BlockMeta& block, int support) const;
+  std::vector<Key> representatives_of(const BlockMeta& block, int support) const;
   // Representatives of all copies of the nodes that split in a bond.
   std::vector<Key> representatives_at(int bond_row, const std::vector<Key>& split) const;
   // Indices in `grid`, ascending, of the nodes whose constraints or masses depend on the copies of the nodes that split.
@@ -111,7 +111,7 @@ class NodeSplitting {
   // node that is not split. Empty if the points' own volumes count at all nodes.
   std::vector<double> volumes(const std::vector<Key>& keys, const CementOptions& options) const;
   // Constraints of a grid with these nodes.
-  virtual std::vector<ExtensionConstraint> ties(const std::vector<Key>& keys) const;
+  virtual std::vector<ExtensionConstraint> constraints(const std::vector<Key>& keys) const;
 
  protected:
   void know_bonds(std::size_t bonds) { known_.resize(bonds); }
@@ -138,7 +138,7 @@ class NodeSplitting {
     return at == rows_.end() ? kWhole : at->second;
   }
   const PhantomNodes& copies(int bond_row) const { return row(bond_row).copies; }
-  Key now(const Key& at_start) const;
+  Key present_representative(const Key& at_start) const;
   void find_dependents(Row& row) const;
   NewLayersOfBonds apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const std::vector<NodeChange>& changes);
 

@@ -13,13 +13,13 @@ namespace mpdem {
 class SeparatePieces : public NodeSplitting {
  public:
   std::unique_ptr<NodeSplitting> copy() const override { return std::make_unique<SeparatePieces>(*this); }
-  NewLayersOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& others = {}) override;
+  NewLayersOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& with_new_points = {}) override;
   Found split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds came) override;
-  void bring(MPI_Comm, const Bonds&) override {}
-  void leave(MPI_Comm, const Bonds&, const CementOptions&, const std::vector<int>&) override {}
+  void fetch_copies(MPI_Comm, const Bonds&) override {}
+  void remove_volume(MPI_Comm, const Bonds&, const CementOptions&, const std::vector<int>&) override {}
   std::vector<Key> nodes_beside(const PointStore&, int, int) const override { return {}; }
   Key representative_of(const Key& node) const override { return node; }
-  std::vector<ExtensionConstraint> ties(const std::vector<Key>&) const override { return {}; }
+  std::vector<ExtensionConstraint> constraints(const std::vector<Key>&) const override { return {}; }
 
  protected:
   void find_lattices(MPI_Comm, const Bonds&, const CementOptions&, const std::vector<char>&) override {}

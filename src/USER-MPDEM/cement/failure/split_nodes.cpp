@@ -13,10 +13,10 @@ namespace mpdem {
 namespace {
 
 template <class F>
-void for_each_node(const BlockMeta& m, int S, F f) {
-  for (int i = 0; i < nodes_along(m, 0, S); ++i)
-    for (int j = 0; j < nodes_along(m, 1, S); ++j)
-      for (int k = 0; k < nodes_along(m, 2, S); ++k) f(GridIndex{m.base[0] + i, m.base[1] + j, m.base[2] + k});
+void for_each_node(const BlockMeta& m, int support, F f) {
+  for (int i = 0; i < nodes_along(m, 0, support); ++i)
+    for (int j = 0; j < nodes_along(m, 1, support); ++j)
+      for (int k = 0; k < nodes_along(m, 2, support); ++k) f(GridIndex{m.base[0] + i, m.base[1] + j, m.base[2] + k});
 }
 
 }  // namespace
@@ -43,13 +43,13 @@ void NodeSplitting::drop_edges(const std::vector<int>& rows) {
 }
 
 // Returns the present representative of a node of the start, or kNoNode if that node has been split since.
-Key NodeSplitting::now(const Key& at_start) const {
+Key NodeSplitting::present_representative(const Key& at_start) const {
   const int bond_row = row_of(at_start.field());
   const int layer = copies(bond_row).representative_of_first(layer_of_field(at_start.field()), grid_index_of(at_start));
   return layer < 0 ? kNoNode : key_at(bond_row, layer, grid_index_of(at_start));
 }
 
-std::vector<Key> NodeSplitting::nodes_beside(const PointStore& points, int bond_row, int S) const {
+std::vector<Key> NodeSplitting::nodes_beside(const PointStore& points, int bond_row, int support) const {
   std::vector<Key> nodes;
   const PhantomNodes& copies = this->copies(bond_row);
   const BlockMeta* last = nullptr;
@@ -57,13 +57,13 @@ std::vector<Key> NodeSplitting::nodes_beside(const PointStore& points, int bond_
     if (m.layer == 0) continue;
     if (last && m.layer == last->layer && m.joined == last->joined && std::equal(m.base, m.base + 3, last->base)) continue;
     last = &m;
-    for_each_node(m, S, [&](const GridIndex& p) { nodes.push_back(key_at(bond_row, copies.representative(m.layer, p), p)); });
+    for_each_node(m, support, [&](const GridIndex& p) { nodes.push_back(key_at(bond_row, copies.representative(m.layer, p), p)); });
   }
   // The constraint of a node that has split since is void, and is stored only on ranks that found it before.
   for (const ExtensionConstraint& t : row(bond_row).edges) {
-    if (now(t.constrained) == kNoNode) continue;
-    for (const auto* of_tie : {&t.masters, &t.mass_receivers})
-      for (const auto& m : *of_tie) nodes.push_back(now(m.first));
+    if (present_representative(t.constrained) == kNoNode) continue;
+    for (const auto* of_constraint : {&t.masters, &t.mass_receivers})
+      for (const auto& m : *of_constraint) nodes.push_back(present_representative(m.first));
   }
   sort_unique(nodes);
   if (!nodes.empty() && nodes.front() == kNoNode) nodes.erase(nodes.begin());
@@ -79,9 +79,9 @@ std::vector<Key> NodeSplitting::copies_of(int bond_row) const {
   return nodes;
 }
 
-std::vector<Key> NodeSplitting::nodes_of(const BlockMeta& m, int S) {
+std::vector<Key> NodeSplitting::nodes_of(const BlockMeta& m, int support) {
   std::vector<Key> nodes;
-  for_each_node(m, S, [&](const GridIndex& p) { nodes.push_back(key_at(m.row, m.layer, p)); });
+  for_each_node(m, support, [&](const GridIndex& p) { nodes.push_back(key_at(m.row, m.layer, p)); });
   return nodes;
 }
 
@@ -90,10 +90,10 @@ Key NodeSplitting::representative_of(const Key& k) const {
   return key_at(bond_row, copies(bond_row).representative(layer_of_field(k.field()), grid_index_of(k)), grid_index_of(k));
 }
 
-std::vector<Key> NodeSplitting::representative_of(const BlockMeta& m, int S) const {
+std::vector<Key> NodeSplitting::representatives_of(const BlockMeta& m, int support) const {
   std::vector<Key> nodes;
   const PhantomNodes& copies = this->copies(m.row);
-  for_each_node(m, S, [&](const GridIndex& p) { nodes.push_back(key_at(m.row, copies.representative(m.layer, p), p)); });
+  for_each_node(m, support, [&](const GridIndex& p) { nodes.push_back(key_at(m.row, copies.representative(m.layer, p), p)); });
   return nodes;
 }
 
@@ -108,8 +108,8 @@ std::vector<Key> NodeSplitting::representatives_at(int bond_row, const std::vect
 
 void NodeSplitting::find_dependents(Row& row) const {
   for (std::size_t n = 0; n < row.edges.size(); ++n)
-    for (const auto* of_tie : {&row.edges[n].masters, &row.edges[n].mass_receivers})
-      for (const auto& m : *of_tie) row.dependents.emplace_back(m.first, static_cast<int>(n));
+    for (const auto* of_constraint : {&row.edges[n].masters, &row.edges[n].mass_receivers})
+      for (const auto& m : *of_constraint) row.dependents.emplace_back(m.first, static_cast<int>(n));
   sort_unique(row.dependents);
 }
 
@@ -171,9 +171,9 @@ Key NodeSplitting::next(const Key& k, int direction) const {
 }
 
 // An edge constraint is void once its node, a master or a mass receiver has split. A copy then follows its representative.
-std::vector<ExtensionConstraint> NodeSplitting::ties(const std::vector<Key>& keys) const {
-  std::vector<ExtensionConstraint> ties;
-  ties.reserve(keys.size());
+std::vector<ExtensionConstraint> NodeSplitting::constraints(const std::vector<Key>& keys) const {
+  std::vector<ExtensionConstraint> constraints;
+  constraints.reserve(keys.size());
   for (const Key& k : keys) {
     ExtensionConstraint t;
     t.constrained = k;
@@ -181,10 +181,10 @@ std::vector<ExtensionConstraint> NodeSplitting::ties(const std::vector<Key>& key
     const std::vector<ExtensionConstraint>& edges = row(row_of(k.field())).edges;
     const auto edge =
         std::lower_bound(edges.begin(), edges.end(), start, [](const ExtensionConstraint& a, const Key& b) { return a.constrained < b; });
-    if (edge != edges.end() && edge->constrained == start && now(start) != kNoNode) {
-      for (const auto& m : edge->masters) t.masters.emplace_back(now(m.first), m.second);
-      for (const auto& h : edge->mass_receivers) t.mass_receivers.emplace_back(now(h.first), h.second);
-      for (const auto& b : edge->behind) t.behind.emplace_back(now(b.first), b.second);
+    if (edge != edges.end() && edge->constrained == start && present_representative(start) != kNoNode) {
+      for (const auto& m : edge->masters) t.masters.emplace_back(present_representative(m.first), m.second);
+      for (const auto& h : edge->mass_receivers) t.mass_receivers.emplace_back(present_representative(h.first), h.second);
+      for (const auto& b : edge->behind) t.behind.emplace_back(present_representative(b.first), b.second);
     }
     const bool whole = !t.masters.empty() &&
                        std::none_of(t.masters.begin(), t.masters.end(), [](const auto& m) { return m.first == kNoNode; }) &&
@@ -197,9 +197,9 @@ std::vector<ExtensionConstraint> NodeSplitting::ties(const std::vector<Key>& key
       t.mass_receivers = t.behind = t.masters;
     }
     std::sort(t.masters.begin(), t.masters.end());
-    ties.push_back(std::move(t));
+    constraints.push_back(std::move(t));
   }
-  return ties;
+  return constraints;
 }
 
 std::vector<double> NodeSplitting::volumes(const std::vector<Key>& keys, const CementOptions& options) const {

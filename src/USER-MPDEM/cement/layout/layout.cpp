@@ -79,13 +79,13 @@ class LayoutMaker {
     std::vector<Grid> grids(layouts_.size());
     build(grids, true);
     if (finds_edges && ranks == 1) keep_edges(grids);
-    std::vector<std::vector<ExtensionConstraint>> ties(layouts_.size());
-    for (std::size_t n = 0; n < ties.size(); ++n) ties[n] = splits.ties(grids[n].keys);
-    const std::vector<char> any = constrained_anywhere(ties);
+    std::vector<std::vector<ExtensionConstraint>> constraints(layouts_.size());
+    for (std::size_t n = 0; n < constraints.size(); ++n) constraints[n] = splits.constraints(grids[n].keys);
+    const std::vector<char> any = constrained_anywhere(constraints);
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
       BondLayout& l = layouts_[n];
       l.grid = std::move(grids[n]);
-      l.grid.tie(ties[n], any[n], !rules_.options.split);
+      l.grid.constrain(constraints[n], any[n], !rules_.options.split);
       l.grid.given_volume = splits.volumes(l.grid.keys, rules_.options);
       l.grid.lump_mass(l.points, rules_.density);
     }
@@ -171,10 +171,10 @@ class LayoutMaker {
   }
 
   // Returns for each layout whether some rank has constrained nodes in it.
-  std::vector<char> constrained_anywhere(const std::vector<std::vector<ExtensionConstraint>>& ties) const {
+  std::vector<char> constrained_anywhere(const std::vector<std::vector<ExtensionConstraint>>& constraints) const {
     std::vector<char> of_rows(rows_.size(), 0), any;
     const auto at = [&](std::size_t n) { return index_in(rows_, layouts_[n].row, "bond"); };
-    for (std::size_t n = 0; n < layouts_.size(); ++n) of_rows[at(n)] = !ties[n].empty();
+    for (std::size_t n = 0; n < layouts_.size(); ++n) of_rows[at(n)] = !constraints[n].empty();
     MPI_Allreduce(MPI_IN_PLACE, of_rows.data(), static_cast<int>(of_rows.size()), MPI_SIGNED_CHAR, MPI_MAX, rules_.comm);
     for (std::size_t n = 0; n < layouts_.size(); ++n) any.push_back(of_rows[at(n)]);
     return any;

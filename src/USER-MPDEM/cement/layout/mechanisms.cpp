@@ -18,7 +18,8 @@ Bond::Mechanisms mechanisms_of(const Scene& scene, const Bond& b, const NodeSpli
   Bond::Mechanisms mechanisms;
   if (scene.touches()) mechanisms.push_back(std::make_unique<DebondedContact>(b.points, record, *scene.penalty, b.grid));
   if (o.unilateral) mechanisms.push_back(std::make_unique<ClosingPoints>(b.points, scene.law->elasticity(), friction));
-  if (scene.penalty && o.relax > 0.0) mechanisms.push_back(std::make_unique<RelativeDamping>(record, o.relax, scene.shear_speed()));
+  if (scene.penalty && o.relative_damping > 0.0)
+    mechanisms.push_back(std::make_unique<RelativeDamping>(record, o.relative_damping, scene.shear_speed()));
   if (scene.faces_touch())
     mechanisms.push_back(std::make_unique<CrackFaces>(
         b.points, b.grid, [&](const Key& k) { return splits.at_start(k); }, friction));

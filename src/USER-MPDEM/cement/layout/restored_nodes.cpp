@@ -65,7 +65,7 @@ void RestoredNodes::take(std::vector<NodeRow> rows) {
 }
 
 // Rows first go to a home rank of their bond, which sends them to all ranks that have points of the bond.
-void RestoredNodes::bring() {
+void RestoredNodes::send_to_holders() {
   if (of_all_ < 0.0) return;
   const int ranks = ranks_of(scene_.comm);
   double found = static_cast<double>(rows_.size());

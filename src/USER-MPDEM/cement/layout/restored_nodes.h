@@ -28,8 +28,8 @@ class RestoredNodes {
   void keep(std::vector<NodeRow> rows, double of_all);
   // Collective, before a layout. Sends rows to the ranks that have points of their bond, since points may have changed
   // rank since the file was read. Throws BadState if rows are missing.
-  void bring();
-  // of(): motion of the nodes of a bond, once bring() was called. any() is true if a restart file gave motion.
+  void send_to_holders();
+  // of(): motion of the nodes of a bond, once send_to_holders() was called. any() is true if a restart file gave motion.
   bool any() const { return !motion_.empty(); }
   NodeKinematics& of(int row) {
     if (static_cast<std::size_t>(row) >= motion_.size()) motion_.resize(row + 1);  // the bond was made after the file was read

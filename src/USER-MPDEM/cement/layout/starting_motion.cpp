@@ -60,8 +60,8 @@ void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
         for (int d = 0; d < 3; ++d) {
           vd v;
           for (int l = 0; l < kLanes; ++l) v[l] = n.velocity[3 * (kLanes * b + l) + d];
-          rest[d] =
-              scene.inertia * p.volume * (v - (A(0, d) + (A(1, d) * p.X[0] + A(2, d) * p.X[1] + A(3, d) * p.X[2]) / scene.options.cell));
+          rest[d] = scene.scaled_density * p.volume *
+                    (v - (A(0, d) + (A(1, d) * p.X[0] + A(2, d) * p.X[1] + A(3, d) * p.X[2]) / scene.options.cell));
         }
         with_weights<decltype(type)>(p, points.meta[b], 1.0 / scene.options.cell, [&](const auto& w) {
           with_sums<3>(grid, points.meta[b], momentum.data(),
@@ -69,7 +69,7 @@ void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
         });
       }
     });
-    grid.ties.add_to_mass_receivers(momentum.data(), 3);
+    grid.constraints.add_to_mass_receivers(momentum.data(), 3);
     grid.halo.sum(momentum.data(), 3);
     const std::vector<char>& is_fresh = *n.fresh;
     for (int i = 0; i < grid.size(); ++i) {
@@ -83,7 +83,7 @@ void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
     }
     // Only fresh nodes: for the others the extrapolation would change nothing but rounding.
     std::vector<double> extended(grid.velocity);
-    grid.ties.extend(extended.data());
+    grid.constraints.extend(extended.data());
     for (std::size_t i = 0; i < extended.size(); ++i)
       if (is_fresh[i / 3]) grid.velocity[i] = extended[i];
     scene.formulation->start(*n.bond);

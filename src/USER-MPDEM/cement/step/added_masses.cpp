@@ -28,7 +28,8 @@ void AddedMasses::find(const std::vector<Bond*>& bonds) {
   const CementOptions& o = scene_.options;
   const bool known = stable_step_.eigenvalue_is_known();
   // Damping uses part of the stability bound in every step. Only the rest is left for nodes with added mass.
-  const double bound = scene_.stability_limit() * std::max(0.1, 1.0 - 0.5 * stable_step_.relative_damping_rate(o.relax) * scene_.now.dt);
+  const double bound =
+      scene_.stability_limit() * std::max(0.1, 1.0 - 0.5 * stable_step_.relative_damping_rate(o.relative_damping) * scene_.now.dt);
   const AddedMass::Stability s{scene_.now.dt, known ? stable_step_.known_eigenvalue() : scene_.eigenvalue_bound(), !known, bound};
   for (Bond* b : bonds)
     if (scene_.bonds().is_resolved(*b)) b->added.find(b->links, b->grid, scene_.grains.ends_of(*b), s, b->mechanisms);
@@ -58,7 +59,7 @@ void AddedMasses::follow_contacts(const std::vector<int>& moved) {
 
 template <class Action>
 void AddedMasses::renew(const std::vector<int>& rows, Action action) {
-  std::vector<std::vector<AddedMass::Share>> before;
+  std::vector<std::vector<AddedMass::OfNode>> before;
   for (int row : rows)
     if (const Bond* b = scene_.bonds().find(row)) before.push_back(b->added.shares());
   double slowed = 0.0;
@@ -70,7 +71,7 @@ void AddedMasses::renew(const std::vector<int>& rows, Action action) {
                              for (int row : rows)
                                if (Bond* b = scene_.bonds().find(row))
                                  slowed +=
-                                     b->added.add_to_nodes(before[n++], b->grid, scene_.grains.ends_of(*b), scene_.kick(), scene_.now.dt);
+                                     b->added.slow_nodes(before[n++], b->grid, scene_.grains.ends_of(*b), scene_.kick(), scene_.now.dt);
                            });
   scene_.energy.release(slowed);
   scene_.grains.expect_sudden_forces();

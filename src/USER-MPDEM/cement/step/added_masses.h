@@ -28,7 +28,7 @@ class AddedMasses {
   void follow(const std::vector<int>& rows, const char* event, const StableStep::Patches* patches = nullptr);
   // Collective. Acts only in topology steps (Scene::contacts_move()). Updates the added mass of bonds whose contact points
   // came near to their grains or went away from them, and of the rows `moved` of this rank, whose contact points are on
-  // other material points. Nodes that get added mass are slowed and gain no energy (AddedMass::add_to_nodes()).
+  // other material points. Nodes that get added mass are slowed and gain no energy (AddedMass::slow_nodes()).
   void follow_contacts(const std::vector<int>& moved);
   // Collective. Removes the added mass of links that debonded during a run.
   void drop_debonded();

@@ -29,7 +29,7 @@ void Condensing::choose() {
 }
 
 void Condensing::bind() {
-  scene_.grains.bind(scene_.comm, scene_.bonds(), scene_.inertia);
+  scene_.grains.bind(scene_.comm, scene_.bonds(), scene_.scaled_density);
   scene_.grains.distribute(scene_.bonds());  // code that runs before the next step must not find grains at rest
   scene_.laid_out = true;
   if (scene_.dt_last == 0.0) scene_.dt_last = scene_.now.dt;
@@ -45,7 +45,7 @@ void Condensing::condense(const std::vector<int>& rows, bool at_start) {
   for (int row : resolved) scene_.bonds().table[row].condensed = false;
   scene_.bonds().resolved_changed();
   install_templates(at_start);
-  const std::vector<int> without = condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia);
+  const std::vector<int> without = condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.scaled_density);
   resolved.insert(resolved.end(), without.begin(), without.end());
   if (!resolved.empty()) {
     scene_.bonds().resolved_changed();
@@ -82,7 +82,8 @@ void Condensing::install_templates(bool at_start) {
   if (!at_start)
     templates.erase(std::remove_if(templates.begin(), templates.end(), [&](int p) { return condensed_.has_template(p); }), templates.end());
   condensed_.install_templates(scene_.comm, layouts_of_templates(scene_, templates, &*scene_.penalty),
-                               static_cast<int>(scene_.bonds().templates.size()), at_start, *scene_.law, *scene_.penalty, scene_.inertia);
+                               static_cast<int>(scene_.bonds().templates.size()), at_start, *scene_.law, *scene_.penalty,
+                               scene_.scaled_density);
 }
 
 // Bonds to activate that lack points get them before the next step, and are activated in it. Returns the others.
@@ -161,7 +162,7 @@ void Condensing::activate() {
   scene_.bonds().resolved_changed();
   condensed_.drop(scene_.comm, rows, scene_.bonds(), scene_.grains);
   condensed_.resume(scene_.grains, weight.data());
-  scene_.grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.inertia, ends);
+  scene_.grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.scaled_density, ends);
   shared_.bind();
   for (int row : rows) {
     Bond* b = scene_.bonds().find(row);
@@ -215,16 +216,16 @@ void Condensing::condense_again() {
   const std::vector<int> rows = recondensed_.rows = rows_that_rest();
   if (rows.empty()) return;
   const double half = 0.5 * scene_.dt_last;
-  std::vector<double> rest(6 * grains.ends.ends.size(), 0.0);  // of each end: momentum that the bond loses, given to the grain
+  std::vector<double> lost_momentum(6 * grains.ends.ends.size(), 0.0);  // of each end: momentum that the bond loses, given to the grain
   struct OfRow {
     int row, at;
     BondEnd ends[2];
   };
   std::vector<OfRow> here;
-  const auto add_to_rest = [&](const OfRow& o, const GrainLoads& momentum, double sign) {
+  const auto add_to_lost = [&](const OfRow& o, const GrainLoads& momentum, double sign) {
     for (int s = 0; s < 2; ++s) {
       const std::array<double, 6> of_end = in_box(o.ends[s], momentum.of[s], momentum.of[s] + 3);
-      for (int d = 0; d < 6; ++d) rest[6 * (o.at + s) + d] += sign * of_end[d];
+      for (int d = 0; d < 6; ++d) lost_momentum[6 * (o.at + s) + d] += sign * of_end[d];
     }
   };
   for (int row : rows) scene_.bonds().table[row].condensed = true;
@@ -235,7 +236,7 @@ void Condensing::condense_again() {
     recondensed_.energy += work_.energy_of(*b);
     const BondEnd* ends = grains.ends_of(*b);
     here.push_back({row, b->first_end_index, {ends[0], ends[1]}});
-    add_to_rest(here.back(), condensed_.momentum_of_nodes(*b, scene_.bonds().table[row], ends), 1.0);
+    add_to_lost(here.back(), condensed_.momentum_of_nodes(*b, scene_.bonds().table[row], ends), 1.0);
     condensed_.forget_candidate(row);
     revert_field(b->points);
     revert_field(b->film.points);
@@ -245,17 +246,17 @@ void Condensing::condense_again() {
     b->average = DriveAverage();  // it would keep its lists as long as the bond is condensed
   }
   const std::vector<BondedGrains::OwnedEnd> owned = grains.owned();
-  BondEnds ends = grains.ends;  // as indexed by `rest`; rebind_ends() drops the ends of condensed bonds
+  BondEnds ends = grains.ends;  // as indexed by `lost_momentum`; rebind_ends() drops the ends of condensed bonds
   scene_.bonds().resolved_changed();
   layout_manager_.lay_out(rows, {}, {});
-  grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.inertia, {});
+  grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.scaled_density, {});
   added_.refresh(rows);
-  condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia);
-  for (const OfRow& o : here) add_to_rest(o, condensed_.momentum_as_condensed(o.row, scene_.bonds().table[o.row], o.ends, half), -1.0);
-  ends.sum(rest.data(), 6);
+  condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.scaled_density);
+  for (const OfRow& o : here) add_to_lost(o, condensed_.momentum_as_condensed(o.row, scene_.bonds().table[o.row], o.ends, half), -1.0);
+  ends.sum(lost_momentum.data(), 6);
   std::vector<BondedGrains::Six> momentum(grains.grains.size(), BondedGrains::Six{});
   for (const BondedGrains::OwnedEnd& o : owned)
-    for (int d = 0; d < 6; ++d) momentum[o.grain][d] += rest[6 * o.at + d];
+    for (int d = 0; d < 6; ++d) momentum[o.grain][d] += lost_momentum[6 * o.at + d];
   condensed_.bind(scene_.comm, scene_.bonds(), grains);
   condensed_.follow(grains, scene_.weight().data());
   recondensed_.to_grains = grains.apply_impulse(scene_.comm, momentum, condensed_.pack());

@@ -251,7 +251,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   }
   for (const Pieces& p : pieces) add_pieces(p, 1.0, left, ahead);
   const std::vector<int> tags = take_out(of_rows, leaving);
-  discontinuities_.splits->leave(scene_.comm, scene_.bonds(), scene_.options, leaving.rows);
+  discontinuities_.splits->remove_volume(scene_.comm, scene_.bonds(), scene_.options, leaving.rows);
   layout_manager_.move_phantom_nodes();
   layout_manager_.lay_out_again(leaving.rows, {}, {});
   for (const Bond& b : scene_.bonds().resolved())

@@ -39,7 +39,7 @@ void keep_motion(Scene& scene, const std::vector<int>& rows, const std::vector<B
 
 NewLayersOfBonds layers_before_layout(const Scene& scene, Bonds& bonds, const std::vector<int>& fresh, NodeSplitting& splits) {
   NewLayersOfBonds layers = splits.start(scene.comm, bonds, scene.options, fresh);
-  splits.bring(scene.comm, bonds);
+  splits.fetch_copies(scene.comm, bonds);
   return layers;
 }
 
@@ -51,7 +51,7 @@ std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Discontinuit
   copies.table = scene.bonds().table;
   for (const Bond& b : scene.bonds()) copies.make(b.row).points = b.points;
   RestoredNodes restored(of_file);
-  restored.bring();
+  restored.send_to_holders();
   const std::unique_ptr<NodeSplitting> splits = divisions.splits->copy();
   NewLayersOfBonds layers = layers_before_layout(scene, copies, fresh, *splits);
   std::vector<LayoutRequest> requests;
@@ -66,7 +66,7 @@ std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Discontinuit
   }
   // points do not move, and need no margin
   const std::unique_ptr<const Formulation> at_rest = formulation_of(CementOptions());
-  const LayoutRules rules{scene.comm, copies.table, scene.options, scene.law, scene.inertia, penalty, *splits, *at_rest};
+  const LayoutRules rules{scene.comm, copies.table, scene.options, scene.law, scene.scaled_density, penalty, *splits, *at_rest};
   std::vector<BondLayout> layouts = make_layout(rules, scene.all_rows(), std::move(requests));
   for (BondLayout& l : layouts) {
     l.film = scene.bonds().find(l.row)->film;
@@ -89,14 +89,14 @@ LayoutRequest LayoutManager::request_of(Bond& b, NewLayersOfBonds& layers) {
 // Where nodes split, constraints end, and mass returns from mass receivers to nodes of another velocity. keep_motion()
 // restores momentum and angular momentum.
 void LayoutManager::lay_out(const std::vector<int>& rows, NewLayersOfBonds layers, const How& how) {
-  restored_.bring();
+  restored_.send_to_holders();
   const bool moves = scene_.laid_out && how.splits;
   const std::vector<BondMotion> motion = moves ? sums_of_motion(scene_, rows) : std::vector<BondMotion>();
   std::vector<LayoutRequest> requests;
   for (int row : rows)
     if (Bond* b = scene_.bonds().find(row)) requests.push_back(request_of(*b, layers));
   const PenaltyParameters* penalty = scene_.penalty ? &*scene_.penalty : nullptr;
-  const LayoutRules rules{scene_.comm, scene_.bonds().table,     scene_.options,      scene_.law, scene_.inertia,
+  const LayoutRules rules{scene_.comm, scene_.bonds().table,     scene_.options,      scene_.law, scene_.scaled_density,
                           penalty,     *discontinuities_.splits, *scene_.formulation, how.arrange};
   std::vector<BondLayout> layouts = make_layout(rules, rows, std::move(requests));
   restored_.clear();
@@ -120,7 +120,7 @@ NewLayersOfBonds LayoutManager::layers_at_start() {
   return layers;
 }
 
-void LayoutManager::move_phantom_nodes() { discontinuities_.splits->bring(scene_.comm, scene_.bonds()); }
+void LayoutManager::move_phantom_nodes() { discontinuities_.splits->fetch_copies(scene_.comm, scene_.bonds()); }
 
 void LayoutManager::remember_axis() {
   std::vector<BondRecord>& table = scene_.bonds().table;
@@ -148,9 +148,9 @@ void LayoutManager::sync_slots() {
 // In a separated bond, each node follows the grain to which it is connected.
 void LayoutManager::follow_grains(Bond& b) const {
   if (b.mechanisms.empty()) return;
-  const std::vector<char> held =
+  const std::vector<char> connected =
       discontinuities_.cracks.separated(b.row) ? connected_grains_of_nodes(b.points, b.grid) : std::vector<char>();
-  for (const auto& p : b.mechanisms) p->follow_grains(b.grid, scene_.bonds().record(b), held);
+  for (const auto& p : b.mechanisms) p->follow_grains(b.grid, scene_.bonds().record(b), connected);
 }
 
 void LayoutManager::start_anew(Bond& b) {
@@ -159,7 +159,7 @@ void LayoutManager::start_anew(Bond& b) {
   b.added = AddedMass();
   b.unmoved = scene_.options.advance.skip_resting && b.points.unstrained();
   follow_grains(b);
-  b.jump.clear();
+  b.transfer_change.clear();
 }
 
 void LayoutManager::install(std::vector<BondLayout>& layouts) {

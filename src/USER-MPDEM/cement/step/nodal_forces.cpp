@@ -17,18 +17,18 @@ BondContext NodalForces::at_work(Bond& b) {
 
 void NodalForces::take_failed(Bond& b) {
   b.failed.clear();
-  b.failed.swap(pass_.failed);
-  b.near_threshold = pass_.near_threshold;
-  pass_.near_threshold = false;
+  b.failed.swap(pass_result_.failed);
+  b.near_threshold = pass_result_.near_threshold;
+  pass_result_.near_threshold = false;
 }
 
 void NodalForces::debond(Bond& b) {
   if (b.failed.empty()) return;
   b.sort_links();
-  std::vector<int> links = b.links.debond(b.points, b.failed, b.grid, scene_.grains.ends_of(b), scene_.now.dt, pass_.released);
+  std::vector<int> links = b.links.debond(b.points, b.failed, b.grid, scene_.grains.ends_of(b), scene_.now.dt, pass_result_.released);
   Losses losses;
   for (const auto& p : b.mechanisms) p->points_failed(at_work(b), b.failed, links, losses);
-  pass_.released += losses.released;
+  pass_result_.released += losses.released;
   b.debonded_with_points.clear();
   if (!scene_.leaves_residue()) b.debonded_with_points = std::move(links);
   scene_.host().points_failed(b);
@@ -73,7 +73,7 @@ void NodalForces::add_forces(Bond& b) {
 }
 
 void NodalForces::end_forces(Bond& b) {
-  b.grid.ties.gather_to_masters(b.grid.force.data());
+  b.grid.constraints.gather_to_masters(b.grid.force.data());
   if (!b.cut_by_ranks()) complete(b);
 }
 
@@ -91,7 +91,7 @@ void NodalForces::complete(Bond& b) {
 
 void NodalForces::begin(double kick) {
   kick_ = kick;
-  pass_.dissipated = pass_.released = 0.0;
+  pass_result_.dissipated = pass_result_.released = 0.0;
   if (grains_need_accelerations() && scene_.options.mass_order == 1) scene_.grains.begin_sums();
 }
 
@@ -129,7 +129,7 @@ void NodalForces::add_inertial_forces() {
     grid.update_acceleration(b.added.of_nodes());
     grid.force.swap(grid.inertial_force);
     scene_.timer.start(StepTimer::kPoints);
-    b.mechanism<ConsistentMass>()->find_inertial_force(b.points, grid, scene_.inertia);
+    b.mechanism<ConsistentMass>()->find_inertial_force(b.points, grid, scene_.scaled_density);
     scene_.timer.start(StepTimer::kNodes);
   }
   scene_.timer.start(StepTimer::kHalo);
@@ -142,7 +142,7 @@ void NodalForces::add_inertial_forces() {
 void NodalForces::share_impulses() {
   scene_.timer.start(StepTimer::kCoupling);
   for (Bond& b : scene_.bonds().resolved())
-    if (SharedImpulse* shared = b.mechanism<SharedImpulse>()) shared->find_intact_mass(b.points, b.grid, scene_.inertia);
+    if (SharedImpulse* shared = b.mechanism<SharedImpulse>()) shared->find_intact_mass(b.points, b.grid, scene_.scaled_density);
   if (scene_.penalty) shared_.sum([](Bond& b) { return b.mechanism<SharedImpulse>()->intact_mass().data(); }, 1);
   scene_.grains.share_impulses(scene_.comm, scene_.bonds(), scene_.now.substeps, condensed_.pack());
   scene_.timer.start(StepTimer::kNodes);
@@ -151,8 +151,8 @@ void NodalForces::share_impulses() {
 void NodalForces::react() { scene_.grains.react(scene_.now.dt, scene_.now.substeps, scene_.energy, condensed_.pack()); }
 
 void NodalForces::end_pass() {
-  scene_.energy.dissipate(pass_.dissipated);
-  scene_.energy.release(pass_.released);
+  scene_.energy.dissipate(pass_result_.dissipated);
+  scene_.energy.release(pass_result_.released);
 }
 
 void NodalForces::find_at_start() {
@@ -160,7 +160,7 @@ void NodalForces::find_at_start() {
   scene_.grains.clear_sudden_forces();
   begin(scene_.kick());
   for (Bond& b : scene_.bonds().resolved()) {
-    b.jump.clear();
+    b.transfer_change.clear();
     b.links.add_force(b.grid, scene_.grains.ends_of(b));
     b.film.add_force(scene_.grains.ends_of(b), *scene_.law);
     BondContext as_it_is = at_work(b);

@@ -27,9 +27,9 @@ class NodalForces {
   void begin(double kick);
   // Call after that pass. Counts the energies that it dissipates and releases.
   void end_pass();
-  AdvanceResult& pass() { return pass_; }  // for the pass: energies of all bonds so far, failed points of this one
-  const PassTicks& ticks() const { return pass_.ticks; }
-  void clear_ticks() { pass_.ticks = PassTicks(); }
+  AdvanceResult& pass_result() { return pass_result_; }  // for the pass: energies of all bonds so far, failed points of this one
+  const PassTicks& ticks() const { return pass_result_.ticks; }
+  void clear_ticks() { pass_result_.ticks = PassTicks(); }
 
   // Call after the pass over the points of a bond. take_failed() stores which of them failed. debond() debonds their
   // links, and reports to the host.
@@ -61,7 +61,7 @@ class NodalForces {
   const AddedMasses& added_;
   CondensedBonds& condensed_;
   Cracks& cracks_;
-  AdvanceResult pass_;
+  AdvanceResult pass_result_;
   double kick_ = 0.0;
 };
 

@@ -26,7 +26,7 @@ Bond* cut_bond(Scene& scene, int row) {
 }  // namespace
 
 void average_cut_drives(Scene& scene, const std::vector<int>& rows) {
-  const SmoothingPasses sweeps = sweeps_for(scene.options.length, scene.options.cell, scene.options.basis);
+  const SmoothingPasses passes = smoothing_passes_for(scene.options.length, scene.options.cell, scene.options.basis);
   std::vector<Bond*> cut;
   for (int row : rows)
     if (Bond* b = cut_bond(scene, row)) cut.push_back(b);
@@ -47,9 +47,9 @@ void average_cut_drives(Scene& scene, const std::vector<int>& rows) {
   }
   sum(&DriveAverage::volumes);
   sum(&DriveAverage::sums);
-  for (int k = 0; k < sweeps.count; ++k) {
-    for (Bond* b : cut) b->average.sweep(b->grid, sweeps, k);
-    if (!sweeps.is_last(k)) sum(&DriveAverage::sums);
+  for (int k = 0; k < passes.count; ++k) {
+    for (Bond* b : cut) b->average.smooth(b->grid, passes, k);
+    if (!passes.is_last(k)) sum(&DriveAverage::sums);
   }
 }
 
@@ -60,7 +60,7 @@ void find_near_threshold(const Scene& scene, Bond& b) {
 void average_drives(Scene& scene, bool any_bond_is_cut) {
   if (!scene.options.advance.nonlocal) return;
   scene.timer.start(StepTimer::kPoints);
-  const SmoothingPasses sweeps = sweeps_for(scene.options.length, scene.options.cell, scene.options.basis);
+  const SmoothingPasses passes = smoothing_passes_for(scene.options.length, scene.options.cell, scene.options.basis);
   std::vector<int> rows;
   if (any_bond_is_cut) rows = cut_rows_near_threshold(scene);
   for (Bond& b : scene.bonds().resolved()) {
@@ -72,7 +72,7 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
       b.grid.drive_average.clear();
       continue;
     }
-    b.average.find(b.points, b.grid, *scene.law, sweeps, imperfection_of(scene, b));
+    b.average.find(b.points, b.grid, *scene.law, passes, imperfection_of(scene, b));
     DriveAverage::find_limits(b.points, b.grid, *scene.law, b.average.largest_to_come(b.points, b.grid));
   }
   if (rows.empty()) return;

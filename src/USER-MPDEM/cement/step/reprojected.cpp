@@ -22,7 +22,7 @@ class Reprojected : public Total {
     if (scene_.now.number % scene_.options.reproject_every != 0) return Total::advance();
     pass([this](Bond& b) { reproject(b); },
          [this](Bond& b) {
-           b.added.add_reaction(b.grid, b.jump, 1.0 / scene_.now.dt, scene_.grains.ends_of(b));
+           b.added.add_reaction(b.grid, b.transfer_change, 1.0 / scene_.now.dt, scene_.grains.ends_of(b));
            forces_.add_forces(b);
          });
   }
@@ -35,10 +35,12 @@ class Reprojected : public Total {
     const BondEnd* ends = scene_.grains.ends_of(b);
     scene_.energy.damp_by(
         [&] { return work_.kinetic_energy(b, half) + (b.row < scene_.rows_started ? b.added.energy_ahead(b.grid, ends, kick) : 0.0); },
-        [&] { reproject_velocity(b.points, b.grid, b.added.of_nodes(), scene_.inertia, scene_.options.transfer, kick, b.jump); });
+        [&] {
+          reproject_velocity(b.points, b.grid, b.added.of_nodes(), scene_.scaled_density, scene_.options.transfer, kick, b.transfer_change);
+        });
     // takes back half a kick, so that the energy of added mass is that at the full step, too; its reaction does work on grains
-    scene_.energy.damp(half * b.added.power(b.grid, ends, b.jump) - b.added.work_of_reaction(b.grid, ends, b.jump));
-    scene_.energy.do_work(half * work_.gravity_power(b, b.jump));
+    scene_.energy.damp(half * b.added.power(b.grid, ends, b.transfer_change) - b.added.work_of_reaction(b.grid, ends, b.transfer_change));
+    scene_.energy.do_work(half * work_.gravity_power(b, b.transfer_change));
   }
 };
 
@@ -93,7 +95,7 @@ class RenewedReference : public Total {
       layout_manager_.lay_out_again(scene_.all_rows(), {}, {});
       added_.follow(scene_.all_rows(), "the present was taken for the reference");
       for (Bond& b : scene_.bonds()) {
-        UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.inertia, scene_.options.transfer);
+        UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.scaled_density, scene_.options.transfer);
         b.grid.halo.sum(b.grid.mass.own().data(), 1);
         b.grid.halo.sum(b.grid.momentum.data(), 3);
         velocities_from_momentum(b.grid);

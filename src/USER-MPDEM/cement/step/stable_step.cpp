@@ -22,7 +22,7 @@ double StableStep::largest_mass_ratio() const {
   for (const Grain& g : scene_.grains.grains) cement.emplace(g.tag, 0.0);
   for (const BondRecord& b : scene_.bonds().table)
     for (int s = 0; s < 2; ++s)
-      if (const auto at = cement.find(b.grain[s]); b.has_grain(s) && at != cement.end()) at->second += scene_.inertia * b.volume;
+      if (const auto at = cement.find(b.grain[s]); b.has_grain(s) && at != cement.end()) at->second += scene_.scaled_density * b.volume;
   double mine = 0.0, most;
   for (const Grain& g : scene_.grains.grains) mine = std::max(mine, BondedGrains::mass_ratio(g, cement[g.tag]));
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
@@ -40,15 +40,15 @@ double StableStep::relative_damping_rate(double share) const {
 void StableStep::find_film() {
   const std::vector<StiffnessOfBond> found = stiffness_of_films(scene_);
   const double step = found.empty() ? std::numeric_limits<double>::infinity() : of_grains(found);
-  of_film_ = 4.0 / (step * step);
+  eigenvalue_of_films_ = 4.0 / (step * step);
 }
 
 // The largest eigenvalue of a sum is at most the sum of the largest eigenvalues.
-double StableStep::step_for(double cement_load, double relax) const {
-  const double eigenvalue = cement_load + of_film_;
+double StableStep::step_for(double eigenvalue, double relative_damping) const {
+  eigenvalue += eigenvalue_of_films_;
   // Damping acts on the velocity half a step before, so stability requires w^2 dt^2 + 2 p dt <= B.
   const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.stability_limit();
-  const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relative_damping_rate(relax);
+  const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relative_damping_rate(relative_damping);
   const double step = B / (p + std::sqrt(p * p + B * eigenvalue));
   if (!(step > 0.0))  // a step of zero would pass comparisons as if nothing limited it
     throw BadState(text_of("no time step is stable, the square of the highest frequency is ", eigenvalue, " with density ",
@@ -60,7 +60,7 @@ double StableStep::step_for(double cement_load, double relax) const {
 // The admitted damping shortens the step by a tenth. At that step, p of step_for() is (B - w^2 dt^2)/(2 dt). The rate
 // of damping in p is proportional to the damping.
 StableStep::DampedStep StableStep::damped_step(double eigenvalue) const {
-  DampedStep d{step_for(eigenvalue, scene_.options.relax), step_for(eigenvalue, 0.0), scene_.options.relax};
+  DampedStep d{step_for(eigenvalue, scene_.options.relative_damping), step_for(eigenvalue, 0.0), scene_.options.relative_damping};
   if (!d.is_short()) return d;
   const double B = scene_.stability_limit(), dt = DampedStep::kKept * d.undamped, damping = scene_.penalty ? scene_.penalty->damping : 0.0;
   const double p = (B - eigenvalue * dt * dt) / (2.0 * dt) - damping * std::sqrt(B * eigenvalue);
@@ -109,7 +109,7 @@ double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
 
 EigenvalueEstimate StableStep::eigenvalue() const {
   const double bound = scene_.eigenvalue_bound();
-  return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr, Look::precise);
+  return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr, Precision::precise);
 }
 
 bool StableStep::bound_alone() const { return scene_.formulation->lasting_eigenvalue(scene_.eigenvalue_bound()) > 0.0; }
@@ -117,15 +117,15 @@ bool StableStep::bound_alone() const { return scene_.formulation->lasting_eigenv
 // A known eigenvalue is checked only as precisely as needed. The estimate plus its residual is on the safe side. Ranks
 // have patches of their own bonds alone, so an eigenvalue that is to be kept is found from whole bonds, and does not
 // depend on the number of ranks.
-EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Look look) const {
-  std::vector<EigenvalueSystem> systems = systems_of(rows, patches, look != Look::after_change);
+EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Precision precision) const {
+  std::vector<EigenvalueSystem> systems = systems_of(rows, patches, precision != Precision::after_change);
   for (double tolerance : {0.05, 0.01, kEigenvalueTolerance}) {
-    if (look == Look::precise || known_ == 0.0) break;
+    if (precision == Precision::precise || known_ == 0.0) break;
     if (tolerance == kEigenvalueTolerance)
       for (EigenvalueSystem& p : systems) p.blocks = nullptr;
     EigenvalueEstimate e = largest_eigenvalue(scene_.comm, systems, *scene_.law, tolerance);
     e.most = e.value + e.residual;
-    if (e.most <= kGrowth * known_ && scene_.now.dt <= step_for(e.most, scene_.options.relax)) return e;
+    if (e.most <= kGrowth * known_ && scene_.now.dt <= step_for(e.most, scene_.options.relative_damping)) return e;
   }
   return largest_eigenvalue(scene_.comm, systems, *scene_.law, kPreciseEigenvalue);
 }
@@ -146,25 +146,25 @@ std::vector<EigenvalueSystem> StableStep::systems_of(const std::vector<int>& row
 double StableStep::estimate() const {
   constexpr double kTolerance = 0.02;
   const EigenvalueEstimate e = largest_eigenvalue(scene_.comm, systems_of(scene_.all_rows(), nullptr, true), *scene_.law, kTolerance);
-  return step_for(e.value + e.residual, scene_.options.relax);
+  return step_for(e.value + e.residual, scene_.options.relative_damping);
 }
 
 double StableStep::find() {
   const EigenvalueEstimate e = eigenvalue();
-  return step_for(e.most, scene_.options.relax);
+  return step_for(e.most, scene_.options.relative_damping);
 }
 
 // The known eigenvalue is kept unless the new one is clearly larger. The added mass depends on it, and has a margin for
 // that. It must not depend on where a run is divided or restarted. It is found precisely, so that bonds along other axes
 // of the box, whose nodes have another order, have the same added mass.
-double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Look look) {
-  double mine = 1.0, ties;
+double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Precision precision) {
+  double mine = 1.0, constraint_factor;
   for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_constraint_factor());
   condensed_.for_each_template([&](const Bond& b) { mine = std::max(mine, b.grid.largest_constraint_factor()); });
-  MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
-  const double bound = ties * scene_.eigenvalue_bound();
-  if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relax))) return bound;
-  const EigenvalueEstimate e = eigenvalue_of(rows, patches, look);
+  MPI_Allreduce(&mine, &constraint_factor, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
+  const double bound = constraint_factor * scene_.eigenvalue_bound();
+  if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relative_damping))) return bound;
+  const EigenvalueEstimate e = eigenvalue_of(rows, patches, precision);
   if (e.value > kGrowth * known_) known_ = e.most;
   return e.most;
 }
@@ -175,8 +175,8 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
 // are as short as a cell.
 bool StableStep::check_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
   if (known_ == 0.0) return false;
-  const double known = known_,
-               limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches, Look::after_change), scene_.options.relax);
+  const double known = known_, limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches, Precision::after_change),
+                                                scene_.options.relative_damping);
   if (scene_.now.dt > limit)
     throw BadState(text_of(exceeds(limit), " after ", event, " at step ", scene_.now.number, "; use 'timestep ",
                            0.9 * scene_.now.substeps * limit, "' or less, or a smaller share in 'timestep auto'"));

@@ -32,9 +32,9 @@ class StableStep {
   bool bound_alone() const;
   // Largest stable step of the present state within some per cent, for messages. The known eigenvalue stays.
   double estimate() const;
-  // Largest stable step for a known eigenvalue, with the share `relax` of critical damping. The stiffness of films
+  // Largest stable step for a known eigenvalue, with the share `relative_damping` of critical damping. The stiffness of films
   // between the grains is included. Throws BadState if no step is stable.
-  double step_for(double eigenvalue, double relax) const;
+  double step_for(double eigenvalue, double relative_damping) const;
   // Returns the message that the step exceeds this limit.
   std::string exceeds(double limit) const;
   // Collective. Call before the others when bonds, grains or their free directions changed.
@@ -55,7 +55,7 @@ class StableStep {
   double largest_mass_ratio() const;  // cement over grain, see BondedGrains::mass_ratio()
 
   // Returns the bound of the eigenvalue if dt is stable with it, else the eigenvalue, which costs some passes.
-  double limiting_eigenvalue(double dt) { return limiting_eigenvalue(dt, scene_.all_rows(), nullptr, Look::at_start); }
+  double limiting_eigenvalue(double dt) { return limiting_eigenvalue(dt, scene_.all_rows(), nullptr, Precision::at_start); }
   // The largest eigenvalue found so far, 0: none was needed.
   double known_eigenvalue() const { return known_; }
   bool eigenvalue_is_known() const { return known_ > 0.0; }
@@ -71,14 +71,14 @@ class StableStep {
  private:
   std::vector<EigenvalueSystem> systems_of(const std::vector<int>& rows, const Patches* patches, bool with_templates) const;
   // Precision of an eigenvalue: at_start and after_change are coarse where that is enough. after_change leaves out templates.
-  enum class Look { precise, at_start, after_change };
-  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Look look) const;
-  double limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Look look);
+  enum class Precision { precise, at_start, after_change };
+  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Precision precision) const;
+  double limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Precision precision);
 
   const Scene& scene_;
   const CondensedBonds& condensed_;
   double known_ = 0.0;
-  double of_film_ = 0.0;  // bound of the largest eigenvalue of the grains on their films
+  double eigenvalue_of_films_ = 0.0;  // bound of the largest eigenvalue of the grains on their films
 };
 
 }  // namespace mpdem

@@ -40,7 +40,7 @@ void Substeps::begin() {
     for (int d = 0; d < 6; ++d) {
       g.start[d] = g.velocity[d];
       // n (F - u) + f. Grain::force is F + f, less the share of f that is the impulse of other sub-steps.
-      g.kick[d] = n * (g.force[d] + g.load_of_other_substeps[d] - g.cement_load[d] - g.spread(d, n)) + g.cement_load[d];
+      g.kick[d] = n * (g.force[d] + g.load_of_other_substeps[d] - g.cement_load[d] - g.spread_part(d, n)) + g.cement_load[d];
     }
 }
 
@@ -90,7 +90,7 @@ void Substeps::move_grains() {
       g.state->path_offset[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - paths_[i].from[d]) : paths_[i].from[d] - g.x[d];
     }
   }
-  scene_.grains.turn(dt);
+  scene_.grains.rotate(dt);
 }
 
 void Substeps::kick_grains() {

@@ -47,7 +47,7 @@ void TopologyUpdate::add_bonds() {
   }
   Found found = find_separations(true, from);
   if (!found.lay_out.empty()) layout_manager_.lay_out_again(found.lay_out, std::move(found.layers), {true, true});
-  find_relative_damping(found.held);
+  find_relative_damping(found.connected);
 }
 
 void TopologyUpdate::update() {
@@ -83,7 +83,7 @@ void TopologyUpdate::split_at_failed_points() {
 void TopologyUpdate::separate_pieces(bool with_separated) {
   Found found = find_separations(with_separated);
   change_bonds(found.lay_out, std::move(found.layers), "pieces separated");
-  find_relative_damping(found.held);
+  find_relative_damping(found.connected);
 }
 
 // Points that change cells change their slots. Others stay as the layout sorted them.
@@ -100,7 +100,7 @@ TopologyUpdate::Found TopologyUpdate::find_separations(bool with_separated, int 
   Cracks::Found cracked = discontinuities_.cracks.detect_separations(scene_.comm, scene_.bonds(), scene_.options, scene_.leaves_residue(),
                                                                      with_separated, from);
   return {discontinuities_.splits->split_pieces(scene_.comm, scene_.bonds(), scene_.options, std::move(cracked.separated_bonds)),
-          std::move(cracked.held)};
+          std::move(cracked.connected)};
 }
 
 // Finds the relative damping of bonds whose points are now connected to other grains.
@@ -128,7 +128,7 @@ std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers
   for (int n : moved.blocks) {
     BlockMeta& m = b.points.meta[n];
     m.aliases = BlockMeta::kOwn;  // aliases are found again below
-    add(discontinuities_.splits->representative_of(m, support(scene_.options.basis)));
+    add(discontinuities_.splits->representatives_of(m, support(scene_.options.basis)));
     if (!aliases.may_alias(m)) add(NodeSplitting::nodes_of(m, support(scene_.options.basis)));
   }
   sort_unique(more);
@@ -157,8 +157,8 @@ std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers
     b.grid.given_volume.resize(b.grid.size(), -1.0);
     for (std::size_t n = 0; n < volumes.size(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
   }
-  const bool freed = b.grid.find_constraints_anew(nodes, discontinuities_.splits->ties(keys));
-  b.grid.lump_mass(b.points, scene_.inertia);
+  const bool freed = b.grid.replace_constraints(nodes, discontinuities_.splits->constraints(keys));
+  b.grid.lump_mass(b.points, scene_.scaled_density);
   if (freed) {
     restore_rigid_motion(b.grid, before, sums_of_motion(b.grid, kick));
     scene_.energy.release(before.kinetic - sums_of_motion(b.grid, kick).kinetic);

@@ -40,7 +40,7 @@ class TopologyUpdate {
 
  private:
   struct Found : NodeSplitting::Found {
-    std::vector<int> held;  // see Cracks::Found
+    std::vector<int> connected;  // see Cracks::Found
   };
   Found find_separations(bool with_separated, int from = 0);  // see Cracks::detect_separations()
   void update_after_check();

@@ -31,7 +31,7 @@ class Total : public Kinematics {
     scene_.bonds().for_each_resolved([&](Bond& b, const Bond* next) {
       if (next) next->prefetch_step();
       scene_.timer.start(StepTimer::kNodes);
-      b.jump.clear();
+      b.transfer_change.clear();
       before(b);
       if (added_.any()) scene_.grains.follow_jumps(b, dt, scene_.dt_last, scene_.weight_of(b), scene_.energy);
       b.grid.drift(kick, dt);
@@ -40,7 +40,7 @@ class Total : public Kinematics {
       if (!b.unmoved) {
         scene_.timer.start(StepTimer::kPoints);
         advance_points(b.points, 0, static_cast<int>(b.points.blocks.size()), b.grid, *scene_.law, dt, scene_.options.advance,
-                       forces_.pass());
+                       forces_.pass_result());
       }
       scene_.timer.start(StepTimer::kCoupling);
       forces_.take_failed(b);

@@ -56,7 +56,7 @@ class Updated : public Kinematics {
     n = 0;
     for (Bond& b : scene_.bonds()) {
       scene_.energy.damp(inertial_[n++] - b.added.energy(b.grid, scene_.grains.ends_of(b)));
-      for (std::size_t i = 0; i < b.filtered.size(); ++i) b.jump[i] -= b.filtered[i];
+      for (std::size_t i = 0; i < b.filtered.size(); ++i) b.transfer_change[i] -= b.filtered[i];
       b.filtered.clear();
     }
     scene_.dt_last = dt;
@@ -65,14 +65,14 @@ class Updated : public Kinematics {
 
   void account_for_accelerations() override {
     for (const Bond& b : scene_.bonds()) {
-      scene_.energy.damp(work_.half_kick(b, b.jump));
+      scene_.energy.damp(work_.half_kick(b, b.transfer_change));
       // nodes moved here without the velocity of the jump
-      scene_.energy.do_work(-0.5 * scene_.dt_last * work_.gravity_power(b, b.jump));
+      scene_.energy.do_work(-0.5 * scene_.dt_last * work_.gravity_power(b, b.transfer_change));
     }
   }
 
   void find_internal_force() override {
-    for (Bond& b : scene_.bonds()) UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.inertia, scene_.options.transfer);
+    for (Bond& b : scene_.bonds()) UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.scaled_density, scene_.options.transfer);
     shared_.sum([](Bond& b) { return b.grid.mass.own().data(); }, 1);
   }
 
@@ -112,12 +112,12 @@ class Updated : public Kinematics {
     b.grid.drift(kick, 0.0);  // changes velocities alone
     kinetic_.push_back(work_.kinetic_energy(b, 0.0));
     inertial_.push_back(b.added.energy(b.grid, scene_.grains.ends_of(b)));
-    b.jump.assign(b.grid.velocity.size(), 0.0);
+    b.transfer_change.assign(b.grid.velocity.size(), 0.0);
     if (o.transfer.method == Transfer::xpic && o.transfer.order > 1) filter(b, kick);
     scene_.timer.start(StepTimer::kCoupling);
     b.links.find_moves(b.grid, dt);
     scene_.timer.start(StepTimer::kPoints);
-    b.updated.advance(b.points, b.grid, *scene_.law, scene_.inertia, dt, kick, o.transfer, o.advance, forces_.pass());
+    b.updated.advance(b.points, b.grid, *scene_.law, scene_.scaled_density, dt, kick, o.transfer, o.advance, forces_.pass_result());
     forces_.take_failed(b);
   }
 
@@ -125,20 +125,20 @@ class Updated : public Kinematics {
     std::vector<double>& v = b.grid.velocity;
     const std::vector<double> kicked(v);
     for (std::size_t i = 0; i < v.size(); ++i) v[i] -= kick * b.grid.acceleration[i];
-    filter_velocity(b.points, b.grid, b.added.of_nodes(), scene_.inertia, scene_.options.transfer.order);
+    filter_velocity(b.points, b.grid, b.added.of_nodes(), scene_.scaled_density, scene_.options.transfer.order);
     for (std::size_t i = 0; i < v.size(); ++i) {
       v[i] += kick * b.grid.acceleration[i];
-      b.jump[i] = v[i] - kicked[i];
+      b.transfer_change[i] = v[i] - kicked[i];
     }
     // nodes move with this change, unlike with that of the transfer, so it is counted with the accelerations before
-    scene_.energy.damp(-work_.half_kick(b, b.jump));
-    scene_.energy.do_work(0.5 * scene_.dt_last * work_.gravity_power(b, b.jump));
-    b.filtered = b.jump;
+    scene_.energy.damp(-work_.half_kick(b, b.transfer_change));
+    scene_.energy.do_work(0.5 * scene_.dt_last * work_.gravity_power(b, b.transfer_change));
+    b.filtered = b.transfer_change;
   }
 
   // Share of the added mass that takes part in the transfer. The velocity that points take from nodes is that of nodes
   // and added mass together. The velocity that flip keeps in the points is theirs alone.
-  double shared() const {
+  double transferred_share() const {
     const Transfer& t = scene_.options.transfer;
     return t.method == Transfer::flip ? 1.0 - t.flip_share : 1.0;
   }
@@ -149,19 +149,19 @@ class Updated : public Kinematics {
     Grid& grid = b.grid;
     const SharedList<double>& added = b.added.of_nodes();
     for (int i = 0; i < grid.size(); ++i) {
-      const double a = added.empty() ? 0.0 : shared() * added[i], m = grid.mass[i] + a;
+      const double a = added.empty() ? 0.0 : transferred_share() * added[i], m = grid.mass[i] + a;
       for (int d = 0; d < 3; ++d) {
         double& v = grid.velocity[3 * i + d];
         const double w = m > 0.0 ? (grid.momentum[3 * i + d] + a * v) / m : v;
-        b.jump[3 * i + d] += w - v;
+        b.transfer_change[3 * i + d] += w - v;
         v = w;
       }
     }
     scene_.energy.damp(kinetic_before - work_.kinetic_energy(b, 0.0));
     BondEnd* ends = scene_.grains.ends_of(b);
-    b.added.add_reaction(grid, b.jump, shared() * shared() / scene_.now.dt, ends);
+    b.added.add_reaction(grid, b.transfer_change, transferred_share() * transferred_share() / scene_.now.dt, ends);
     // the work of the reaction goes to the grains
-    scene_.energy.damp(-shared() * shared() * b.added.work_of_reaction(grid, ends, b.jump));
+    scene_.energy.damp(-transferred_share() * transferred_share() * b.added.work_of_reaction(grid, ends, b.transfer_change));
   }
 
   // Links whose end on the cement left its cell move to other blocks. A grid whose end they reach is laid out again in

@@ -60,7 +60,8 @@ Power WorkOfStep::of_dampers(const Bond& b) const {
 double WorkOfStep::ahead_of(const Bond& b) const {
   const double dt = scene_.dt_last;
   const StepWork damped = over_step(of_dampers(b));
-  return 0.5 * dt * (gravity_power(b, b.grid.velocity) + dt * gravity_power(b, b.grid.acceleration)) - (damped.now - 0.5 * damped.before);
+  return 0.5 * dt * (gravity_power(b, b.grid.velocity) + dt * gravity_power(b, b.grid.acceleration)) -
+         (damped.now - 0.5 * damped.with_velocity_before);
 }
 
 Power WorkOfStep::of_friction() const {
@@ -126,12 +127,12 @@ EnergyBalance::StepWork WorkOfStep::of_loads(int first_row) const {
     if (b.row < first_row) continue;
     const EnergyBalance::StepWork of_bond = over_step(load_power(b, b.grid.velocity), load_power(b, b.grid.acceleration));
     work.now += of_bond.now;
-    work.before += of_bond.before;
+    work.with_velocity_before += of_bond.with_velocity_before;
   }
   const EnergyBalance::StepWork of_condensed =
       condensed_.work(scene_.grains, scene_.bonds(), scene_.weight().data(), scene_.dt_last, first_row);
   work.now += of_condensed.now;
-  work.before += of_condensed.before;
+  work.with_velocity_before += of_condensed.with_velocity_before;
   return work;
 }
 

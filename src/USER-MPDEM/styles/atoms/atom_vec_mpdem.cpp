@@ -80,8 +80,8 @@ void AtomVecMpdem::drop_grains_that_left() {
 // LIGGGHTS calls this at the start of a run. Other commands that initialise all styles call it too.
 void AtomVecMpdem::init() {
   AtomVecSphere::init();
-  apart = false;
-  waiting.finish(lmp);
+  points_excluded = false;
+  unclaimed.finish(lmp);
   // `run 0` moves nothing, but LIGGGHTS drops the data of a restart file for fix mpm at the first run
   if (update->whichflag == 0 || (update->nsteps == 0 && !is_in_motion()) || bonds.table.empty()) return;
   // fix mpm/couple itself reports that its fix mpm is gone
@@ -281,7 +281,7 @@ int AtomVecMpdem::pack_restart(int i, double* buf) {
 std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own) const {
   const auto whole = [](double v) { return ubuf(v).i; };  // LIGGGHTS stores the bits of integers
   const int fixes = total - own - kSphereNumbers;
-  if (fixes < 0 || !waiting.fits(lmp, buf + kSphereNumbers, fixes)) return "the state of fixes is not as long as the file says";
+  if (fixes < 0 || !unclaimed.fits(lmp, buf + kSphereNumbers, fixes)) return "the state of fixes is not as long as the file says";
   mpdem::FirstTrouble found;
   if (whole(buf[4]) < 1 || whole(buf[4]) > std::numeric_limits<int>::max()) found.tell(mpdem::text_of("its ID is ", whole(buf[4])));
   if (whole(buf[5]) < 1 || whole(buf[5]) > atom->ntypes)

@@ -41,10 +41,10 @@ class AtomVecMpdem : public AtomVecSphere {
   using GrainState = mpdem::GrainState;
   std::vector<GrainState> grains;
   // State of other fixes for points made between read_restart and the first run.
-  UnclaimedState waiting;
+  UnclaimedState unclaimed;
   // True if the script keeps points out of LIGGGHTS' bins, and so out of all neighbour lists. All atoms behind the
   // first group are out of the bins then. fix mpm sets it when it prepares a run, after the check in host_guards.h.
-  bool apart = false;
+  bool points_excluded = false;
   // The last run with fix mpm, to check `run ... pre no` (host_guards.h). LIGGGHTS then calls fixes by their indices in
   // that run and calls no init(). It is stored here since fix mpm itself may be among the fixes that were removed.
   struct LastRun {

@@ -131,7 +131,7 @@ int PointAtoms::add(const PointRecord& r, const TemplateHead& head, int tag, dou
 
 void PointAtoms::finish(int first_tag, double created) {
   atom->natoms += static_cast<bigint>(created);
-  avec_->waiting.add(lmp, before_, first_tag);
+  avec_->unclaimed.add(lmp, before_, first_tag);
   for (int m = 0; m < modify->nfix; ++m) {
     Fix* fix = modify->fix[m];
     if (!fix->create_attribute) continue;
@@ -188,7 +188,7 @@ double make_points(LAMMPS* lmp, const std::vector<int>& rows) {
       for (std::size_t p = 0; p < of_bond.points.size() && (count || mine > 0); ++p) {
         int image[3] = {0, 0, 0};
         rigid.find(of_bond.points[p].X, x, v);
-        if (!box.take_in(x, image)) continue;
+        if (!box.wrap(x, image)) continue;
         if (count) ++mine;
         else
           std::copy(v, v + 3,

@@ -37,7 +37,7 @@ int step_towards(int from, int to, int n, bool periodic) {
 
 PointRanks::PointRanks(LAMMPS* lmp) : Pointers(lmp) {}
 
-std::string PointRanks::take(bool balance) {
+std::string PointRanks::set_balance(bool balance) {
   balance_ = balance;
   if (!balance) return "";
   if (domain->triclinic) return "'balance yes' is for boxes with right angles; use 'balance no'";

@@ -24,7 +24,7 @@ class PointRanks : protected LAMMPS_NS::Pointers {
   explicit PointRanks(LAMMPS_NS::LAMMPS* lmp);
 
   // Sets whether balance is wanted. Returns the reason why it cannot be had, or an empty text.
-  std::string take(bool balance);
+  std::string set_balance(bool balance);
   // Call at the start of a run. fix acts after all others before an exchange, so that these read true positions.
   void start_run(const LAMMPS_NS::Fix* fix);
 

@@ -260,7 +260,7 @@ void CreateCement::command(int narg, char** arg) {
 
 Arguments CreateCement::named(const GrainTags& pair, const Arguments& args) {
   Arguments copy = args;
-  copy.about(text_of("pair ", pair.first, " ", pair.second));
+  copy.name_object(text_of("pair ", pair.first, " ", pair.second));
   return copy;
 }
 
@@ -380,9 +380,9 @@ int CreateCement::template_of(const std::vector<FillPoint>& points) {
     mpdem::TemplatePoint& to = point_template.points.back();
     std::copy(p.X.data(), p.X.data() + 3, to.X);
     to.volume = p.volume;
-    to.links = p.links;
+    to.links = p.link_count;
     to.film = p.film;
-    for (int k = 0; k < p.links; ++k) {
+    for (int k = 0; k < p.link_count; ++k) {
       to.link[k].side = p.link[k].side;
       std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, to.link[k].foot);
       to.link[k].area = p.link[k].area;
@@ -404,7 +404,7 @@ mpdem::TemplateHead CreateCement::head() const {
   return head;
 }
 
-std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
+std::vector<mpdem::FullPoint> CreateCement::full_points(int rows) {
   const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   const std::vector<BondRecord>& table = avec->bonds.table;
   std::vector<double> full;  // least volume of an uncut cell, by row
@@ -413,12 +413,12 @@ std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec->is_point(i)) continue;
     const int row = avec->bond[i];
-    if (row >= bodies) continue;
+    if (row >= rows) continue;
     const double width = mpdem::width_filled(avec->record_of(i), table[row].spacing, full[row]);
     if (width > 0.0) found.push_back({Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), row, width});
   }
   for (int row : avec->bonds.rows_without_points()) {
-    if (row >= bodies) break;
+    if (row >= rows) break;
     const BondRecord& record = table[row];
     const mpdem::Mat3<double> axes = mpdem::axes_of(record);
     for (const mpdem::TemplatePoint& p : avec->bonds.template_of(row).points) {
@@ -435,7 +435,7 @@ bool CreateCement::place(const BondRecord& record, const mpdem::Mat3<double>& ax
   const std::array<double, 3> in_box = mpdem::position_in_box(record, axes, p.X.data());
   std::copy(in_box.begin(), in_box.end(), x);
   std::fill(image, image + 3, 0);
-  return box_.take_in(x, image);
+  return box_.wrap(x, image);
 }
 
 std::size_t CreateCement::create_points(const std::vector<NewBond>& bonds, bool more) {
@@ -476,8 +476,8 @@ int CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, do
   for (int c = 0; c < 3; ++c) r.X[c] = p.X[c];
   r.volume = p.volume;
   r.film = p.film;
-  r.links = p.links;
-  for (int k = 0; k < p.links; ++k) {
+  r.links = p.link_count;
+  for (int k = 0; k < p.link_count; ++k) {
     r.link[k].grain = bond.record.grain[p.link[k].side];
     for (int c = 0; c < 3; ++c) r.link[k].foot[c] = p.link[k].foot[c];
     r.link[k].area = p.link[k].area;

@@ -55,7 +55,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   mpdem::CementMaker::Sums make(mpdem::CementMaker& maker);
   int template_of(const std::vector<mpdem::FillPoint>& points) override;
   mpdem::TemplateHead head() const;
-  std::vector<mpdem::FullPoint> full_points(int bodies) override;
+  std::vector<mpdem::FullPoint> full_points(int rows) override;
   std::size_t create_points(const std::vector<mpdem::NewBond>& bonds, bool more) override;
   void say(const std::string& text) override;
   void warn(const std::string& text) override;

@@ -84,7 +84,7 @@ mpdem::PointRow row_of(const PointNow& p, const mpdem::BondRecord& record, const
   Eigen::Matrix3d m;
   m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
   // a point without an axis has its damage in the axes of the bond
-  const Eigen::Quaterniond axes = has_axis ? quaternion(record.turn) * quaternion(r.q) : quaternion(record.turn);
+  const Eigen::Quaterniond axes = has_axis ? quaternion(record.axes) * quaternion(r.q) : quaternion(record.axes);
   const Eigen::Matrix3d R = axes.toRotationMatrix();
   m = R * m * R.transpose();
   for (int d = 0; has_axis && d < 3; ++d) row.axis[d] = R(d, 2);
@@ -162,7 +162,7 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   std::vector<GrainNow> grains;
   std::vector<PointNow> points;
-  double unframed[3] = {0, 0, 0}, all[3];  // points without an axis, points with one, and columns of a film
+  double count[3] = {0, 0, 0}, all[3];  // points without an axis, points with one, and columns of a film
   std::string unknown_law;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (avec->is_point(i)) {
@@ -177,8 +177,8 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
         unknown_law = text_of("write_cement: the damage of the points cannot be told, since ", e.what());
       }
       if (!chosen[p.record.row]) continue;
-      ++unframed[p.record.has_frame];
-      unframed[2] += p.record.film;
+      ++count[p.record.has_frame];
+      count[2] += p.record.film;
       points.push_back(p);
     } else if (avec->orientation(i)) {
       GrainNow g;
@@ -189,7 +189,7 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
     }
   }
   mpdem::stop_if_any(lmp, unknown_law);
-  MPI_Allreduce(unframed, all, 3, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(count, all, 3, MPI_DOUBLE, MPI_SUM, world);
   if (all[2] > 0.0)
     args.complain(text_of(all[2], " of ", all[0] + all[1],
                           " points are columns of a film, and a file has points of cells alone; use 'inner auto' or 'film grid' of "

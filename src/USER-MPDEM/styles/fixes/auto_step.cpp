@@ -27,7 +27,7 @@ void AutoStep::set(Cement& c, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fi
   if (share_ == 0.0 && o.subcycle > 0) return;
   c.stable_step().find_film();
   const EigenvalueEstimate e = c.eigenvalue_of_new_layout();
-  const double limit = longest_step(c, c.stable_step().step_for(e.most, o.relax));
+  const double limit = longest_step(c, c.stable_step().step_for(e.most, o.relative_damping));
   if (share_ > 0.0) {
     warn_of_splitting(o);
     set_step(limit, e, running, own);
@@ -71,15 +71,15 @@ void AutoStep::warn_of_splitting(const CementOptions& o) {
 void AutoStep::set_step(double limit, const EigenvalueEstimate& e, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fix* own) {
   double dt = share_ * limit;
   std::string share = text_of(share_, " of the limit,");
-  if (found_ > 0.0 && found_ <= (share_ < share_then_ ? dt : limit)) {
+  if (last_step_ > 0.0 && last_step_ <= (share_ < last_share_ ? dt : limit)) {
     share = text_of("as before, the limit is now ", limit, ",");
-    dt = found_;
+    dt = last_step_;
   } else if (!std::isfinite(dt)) {
     share = "as it was, nothing limits it,";
     dt = update->dt;
   }
-  found_ = dt;
-  share_then_ = share_;
+  last_step_ = dt;
+  last_share_ = share_;
   tell(lmp, text_of(who_, "timestep auto: ", dt, ", ", share, " from the largest eigenvalue ", e.value, " found in ", e.products,
                     " products\n"));
   if (dt == update->dt) return;
@@ -92,14 +92,14 @@ void AutoStep::set_step(double limit, const EigenvalueEstimate& e, const LAMMPS_
 }
 
 void AutoStep::save(CementHead& head) const {
-  head.auto_step = found_;
-  head.auto_share = share_then_;
+  head.auto_step = last_step_;
+  head.auto_share = last_share_;
   head.longest_substep = std::isfinite(longest_substep_) ? longest_substep_ : 0.0;
 }
 
 void AutoStep::restore(const CementHead& head) {
-  found_ = head.auto_step;
-  share_then_ = head.auto_share;
+  last_step_ = head.auto_step;
+  last_share_ = head.auto_share;
   longest_substep_ = head.longest_substep;
 }
 

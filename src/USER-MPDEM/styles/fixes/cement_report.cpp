@@ -83,7 +83,7 @@ const std::vector<BondState>& CementReport::loads(Cement& c) {
 namespace {
 // Returns the text with mass scaling or relative damping, else nothing.
 std::string if_quasistatic(const CementOptions& o, const std::string& text) {
-  if (o.mass_scale > 1.0 || o.relax > 0.0) return text;
+  if (o.mass_scale > 1.0 || o.relative_damping > 0.0) return text;
   return {};
 }
 
@@ -125,7 +125,7 @@ void CementReport::parameters(Cement& c, bigint points) {
                       word_of(o.unilateral, "", ", and faces of cracks through each other"),
                       "; 'friction' of fix mpm/couple makes them touch", word_of(o.condense, ", with 'condense no'", ""), "\n");
     text += if_quasistatic(
-        o, text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n"));
+        o, text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relative_damping, " of critical\n"));
     text +=
         text_of("  time step ", c.dt(), c.substeps() > 1 ? text_of(" of the cement, ", c.substeps(), " in one of ", lmp_->update->dt) : "",
                 ", stable up to ", word_of(exact, "", bound ? "at least " : "about "), told, "\n");
@@ -191,9 +191,9 @@ void CementReport::damping(Cement& c) {
   const double ratio = c.stable_step().largest_mass_ratio();
   const std::string is_free =
       ratio == 0.0 ? "" : text_of(", since the cement of a free grain has up to ", ratio, " times the inertia of the grain against it");
-  const std::string text =
-      text_of("the damping of 'quasistatic ", o.mass_scale, " ", o.relax, "' shortens the stable step from ", damped.undamped, " to ",
-              damped.step, is_free, "; use 'quasistatic ", o.mass_scale, " ", damped.admitted, "' or less, which leaves 0.9 of the step");
+  const std::string text = text_of("the damping of 'quasistatic ", o.mass_scale, " ", o.relative_damping,
+                                   "' shortens the stable step from ", damped.undamped, " to ", damped.step, is_free, "; use 'quasistatic ",
+                                   o.mass_scale, " ", damped.admitted, "' or less, which leaves 0.9 of the step");
   if (c.dt() > kRoundingOfSteps * damped.step)
     stop_all(lmp_,
              who_ + text_of(c.stable_step().exceeds(damped.step), ": ", text, ", or 'timestep ", 0.9 * c.substeps() * damped.step, "'"));
@@ -413,20 +413,21 @@ void CementReport::sum_of_modes(const Cement& c, int lines) const {
 }
 
 // Returns the smallest jump of velocity that is reported. The wave that it sends through the cement has a stress of 1 %
-// of the strength, or without damage a strain of 1e-6. watch_jumps() also ignores jumps that are a small share of the
+// of the strength, or without damage a strain of 1e-6. start_watch() also ignores jumps that are a small share of the
 // velocity.
 double CementReport::limit_of_jumps(const Cement& c) const {
   const Law& law = c.law();
   const VtiConstants& e = law.elasticity().constants;
-  const double speed = law.elasticity().fastest_wave(c.inertia());
+  const double speed = law.elasticity().fastest_wave(c.scaled_density());
   if (law.inert()) return 1e-6 * speed;
-  return 0.01 / (c.inertia() * speed) * std::min(law.implied_strength(e.Ez).tensile_strength, law.implied_strength(e.Ep).tensile_strength);
+  return 0.01 / (c.scaled_density() * speed) *
+         std::min(law.implied_strength(e.Ez).tensile_strength, law.implied_strength(e.Ep).tensile_strength);
 }
 
 void CementReport::start(Cement& c) {
   if (!c.penalty()) return;
   const BondedGrains::Start& s = c.grains().fastest_start();
-  const double wave = c.inertia() * c.law().elasticity().fastest_wave(c.inertia());
+  const double wave = c.scaled_density() * c.law().elasticity().fastest_wave(c.scaled_density());
   std::string text;
   if (s.speed > limit_of_jumps(c)) {
     const BondRecord& b = c.bonds().table[s.row];
@@ -442,10 +443,10 @@ void CementReport::start(Cement& c) {
 void CementReport::jump(Cement& c) {
   if (jump_reported_ || !c.penalty()) return;
   const BondedGrains::Jump& j = c.grains().worst_jump();
-  const double speed = c.law().elasticity().fastest_wave(c.inertia());
+  const double speed = c.law().elasticity().fastest_wave(c.scaled_density());
   const std::string text = j.tag == 0 ? ""
                                       : text_of("the prescribed velocity of bonded grain ", j.tag, " jumps by ", j.size, " in step ",
-                                                j.step, ", which sends a wave of stress ", c.inertia() * speed * j.size,
+                                                j.step, ", which sends a wave of stress ", c.scaled_density() * speed * j.size,
                                                 " through its cement; let it begin, change and "
                                                 "end smoothly, over many steps, as by 'fix move ... variable' with formulas");
   const std::string first = first_text(lmp_->world, text);
@@ -457,7 +458,7 @@ void CementReport::jump(Cement& c) {
 void CementReport::start_run(Cement& c) {
   in_run_ = true;
   jump_reported_ = false;
-  c.grains().watch_jumps(limit_of_jumps(c));
+  c.grains().start_watch(limit_of_jumps(c));
   forget();
 }
 

@@ -105,8 +105,8 @@ void FixMpm::init() {
   mpdem::check_axis(lmp, who(), table, o);
   guarded([this] { cement_->read_point_states(); });  // cement from a file may have damage
   mpdem::check_cell(lmp, who(), table, o.cell);
-  avec_->apart = true;
-  const std::string trouble = ranks_.take(o.balance);
+  avec_->points_excluded = true;
+  const std::string trouble = ranks_.set_balance(o.balance);
   if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
   gravities_ = mpdem::gravities(view);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
@@ -168,7 +168,7 @@ bool FixMpm::in_motion() const {
   return std::any_of(table.begin(), table.end(), [](const mpdem::BondRecord& b) { return b.in_motion; });
 }
 
-bool FixMpm::wants_points() const { return all_points_ && !avec_->bonds.rows_without_points().empty(); }
+bool FixMpm::points_are_wanted() const { return all_points_ && !avec_->bonds.rows_without_points().empty(); }
 
 void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p, const std::vector<std::string>& said) {
   const std::string trouble = coupling_.take(coupling->id, id, cell(), p);

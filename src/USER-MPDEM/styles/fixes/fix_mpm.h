@@ -86,7 +86,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   const mpdem::Law& law() const { return cement_->law(); }
   mpdem::Cement& engine() const { return *cement_; }
   // Did fix_modify ask for points that are not made yet?
-  bool wants_points() const;
+  bool points_are_wanted() const;
   double cell() const { return cement_->options().cell; }
   const mpdem::CementOptions& options() const { return cement_->options(); }
   AtomVecMpdem* cement() const { return avec_; }  // the atom style, which has the bonds
@@ -124,7 +124,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void remove_leaving(bool points_too);
   void check_positions();
   void check_unprepared();
-  mpdem::HostView host() const { return {lmp, who(), avec_, this, cement_.get(), wants_points()}; }
+  mpdem::HostView host() const { return {lmp, who(), avec_, this, cement_.get(), points_are_wanted()}; }
   void take_density(const mpdem::HostView& view);
   void make_points_of_run();
   void make_points(const std::vector<int>& rows);

@@ -132,7 +132,7 @@ void FixMpmCouple::init() {
   cement_->set_coupling(this, p, said_);
 
   mpdem::HostView view{
-      lmp, text_of("fix mpm/couple (id ", id, "): "), cement_->cement(), cement_, &cement_->engine(), cement_->wants_points()};
+      lmp, text_of("fix mpm/couple (id ", id, "): "), cement_->cement(), cement_, &cement_->engine(), cement_->points_are_wanted()};
   view.couple = this;
   mpdem::check_host(mpdem::kCoupling | (update->nsteps > 0 ? mpdem::kSteps : 0u), view);  // `run 0` moves nothing
 

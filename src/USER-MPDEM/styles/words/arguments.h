@@ -32,7 +32,7 @@ class Arguments {
   std::string words_from(int first) const;
   const std::string& command() const { return command_; }
   // Adds the name of the object to all later messages, to tell it from others of the same command.
-  void about(const std::string& object) { command_ += " " + object; }
+  void name_object(const std::string& object) { command_ += " " + object; }
 
   // Returns the next argument. `what` says what is expected, for the message if there is none.
   std::string word(const std::string& what);

@@ -174,7 +174,8 @@ void take_reproject(Arguments& args, const ScriptKeyword& key, ScriptOptions& w)
 void take_quasistatic(Arguments& args, const ScriptKeyword& key, ScriptOptions& w) {
   CementOptions& o = w.options;
   o.mass_scale = args.between(key.name, 1.0, kMostInertia, "factor on the inertia");
-  o.relax = args.between(text_of("quasistatic ", o.mass_scale), 0.0, kMostDamping, "the second number, share of critical damping");
+  o.relative_damping =
+      args.between(text_of("quasistatic ", o.mass_scale), 0.0, kMostDamping, "the second number, share of critical damping");
 }
 
 void take_condense(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {

@@ -68,7 +68,7 @@ TEST(StaticBond, LeavesSidesAsTheyAre) {
   host.setup();
   host.bonds.table[0].condensed = true;
   host.bonds.resolved_changed();
-  host.cement->grains().bind(MPI_COMM_WORLD, host.bonds, host.cement->inertia());
+  host.cement->grains().bind(MPI_COMM_WORLD, host.bonds, host.cement->scaled_density());
   const Bond* b = host.bonds.find(1);
   const int side = b ? b->first_end_index : 0;
   const std::size_t sides = host.cement->grains().ends.ends.size();

@@ -102,10 +102,10 @@ class RowScene : public CementMakerHost {
     return all;
   }
 
-  std::vector<FullPoint> full_points(int bodies) override {
+  std::vector<FullPoint> full_points(int rows) override {
     std::vector<FullPoint> full;
     for (const Point& p : points)
-      if (p.row < bodies && p.volume > 0.95 * std::pow(table[p.row].spacing, 3))
+      if (p.row < rows && p.volume > 0.95 * std::pow(table[p.row].spacing, 3))
         full.push_back({Vector3(p.x[0], p.x[1], p.x[2]), p.row, table[p.row].spacing});
     return full;
   }
@@ -117,7 +117,7 @@ class RowScene : public CementMakerHost {
         Point p{b.first_tag + static_cast<int>(n), b.row, {}, b.points[n].volume};
         int image[3] = {0, 0, 0};
         for (int c = 0; c < 3; ++c) p.x[c] = b.record.origin[c] + b.points[n].X[c];
-        if (box.take_in(p.x, image)) points.push_back(p);
+        if (box.wrap(p.x, image)) points.push_back(p);
       }
     }
     return points.size() - before;
@@ -308,7 +308,7 @@ TEST(SceneBox, TakesPlacesInByPeriods) {
   b.periodic[2] = false;
   double x[3] = {-0.5, 9.0, 4.5};
   int image[3] = {0, 0, 0};
-  EXPECT_FALSE(b.take_in(x, image));
+  EXPECT_FALSE(b.wrap(x, image));
   EXPECT_EQ(x[0], 3.5);
   EXPECT_EQ(x[1], 1.0);
   EXPECT_EQ(x[2], 4.5);

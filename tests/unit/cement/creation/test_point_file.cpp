@@ -40,7 +40,7 @@ TEST(PointFile, PointsNearASurfaceAreAttachedByTheShell) {
   EXPECT_NEAR(c.volume, 1.6e-11, 1e-24);
   for (int s = 0; s < 2; ++s) {
     const FillPoint& p = c.points[s];
-    ASSERT_EQ(p.links, 1);
+    ASSERT_EQ(p.link_count, 1);
     EXPECT_EQ(p.link[0].side, s);
     const double r = kRadius + 0.5 * kSpacing;
     EXPECT_NEAR(p.link[0].area / (8e-12 * kRadius * kRadius / (r * r * kSpacing)), 1.0, 1e-12);

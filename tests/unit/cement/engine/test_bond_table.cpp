@@ -88,7 +88,7 @@ void expect_rows(const std::string& name, const std::string& head, const List& l
   while (std::getline(page, line) && !line.empty()) rows.push_back(line);
   EXPECT_EQ(rows.size(), list.size());
   for (std::size_t n = 0; n < list.size(); ++n) {
-    const std::string row = "| " + std::to_string(n + 1) + " | `" + list[n].name + "` | " + list[n].words + " |";
+    const std::string row = "| " + std::to_string(n + 1) + " | `" + list[n].name + "` | " + list[n].description + " |";
     EXPECT_EQ(n < rows.size() ? rows[n] : "", row);
   }
 }

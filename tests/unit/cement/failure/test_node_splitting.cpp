@@ -79,7 +79,7 @@ TEST(NodeAliases, PlaceAndMassAreThoseOfOwnNodes) {
           for (int d = 0; d < 3; ++d)
             grid.displacement[3 * i + d] =
                 std::sin(1.0 + grid.keys[i].at(0) + 2.0 * grid.keys[i].at(1) * (1 + d) + 3.0 * grid.keys[i].at(2));
-        grid.tie(splits.ties(grid.keys), true);
+        grid.constrain(splits.constraints(grid.keys), true);
         return grid;
       };
       PointStore with_own(points);

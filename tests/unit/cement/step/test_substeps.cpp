@@ -220,7 +220,7 @@ TEST(Substeps, FailedPointsAreNotPushed) {
     for (int n = 0; n < (divided ? 100 : 1000); ++n) {
       for (Grain& g : host.cement->grains().grains) {  // as if the load began now: all of it is a kick, and nothing is spread
         GrainState& state = *g.state;
-        for (double* numbers : {state.between, state.off}) std::fill(numbers, numbers + 6, 0.0);
+        for (double* numbers : {state.mean_at_end, state.off}) std::fill(numbers, numbers + 6, 0.0);
         std::fill(state.mean, state.mean + 18, 0.0);
         state.off_squared = 0.0;
       }
@@ -464,7 +464,7 @@ TEST(Substeps, BringGrainsToWhereTheStepEnds) {
     grains[g].state = &state[g];
     for (bool& f : grains[g].free) f = g == 1;
   }
-  grains[1].force[0] = state[1].between[0] = state[1].mean[12] = kLoad;
+  grains[1].force[0] = state[1].mean_at_end[0] = state[1].mean[12] = kLoad;
   scene.grains.replace(grains);
 
   Substeps substeps(scene);

@@ -2,21 +2,21 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Inertia and positions of eight nodes with added mass, one a lane, for loops over all added mass in every step.
-#ifndef MPDEM_COUPLING_EIGHT_SHARES_H
-#define MPDEM_COUPLING_EIGHT_SHARES_H
+#ifndef MPDEM_COUPLING_EIGHT_INERTIAS_H
+#define MPDEM_COUPLING_EIGHT_INERTIAS_H
 
 #include "../numerics/simd.h"
 #include "added_mass.h"
 
 namespace mpdem {
 
-struct EightShares {
+struct EightInertias {
   const EightNodes& nodes;
   vd inertia;  // of the nodes, with added mass
   vd x[3];     // of the nodes
 
-  EightShares(const AddedMass::EightMasses& masses, const EightNodes& nodes, const Grid& grid)
-      : nodes(nodes), inertia(nodes.one_of(grid.mass.data()) + masses.added) {
+  EightInertias(const AddedMass::EightMasses& masses, const EightNodes& nodes, const Grid& grid)
+      : nodes(nodes), inertia(nodes.take_scalar(grid.mass.data()) + masses.added) {
     nodes.find_places(grid, x);
   }
 
