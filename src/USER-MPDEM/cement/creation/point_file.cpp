@@ -205,11 +205,11 @@ bool is_lattice(const std::vector<FillPoint>& p, const std::vector<FillPoint>& f
 }
 
 // Lattice with the points of full cells at the centres of its cells, if there is one.
-struct Lattice {
+struct FullLattice {
   double largest_volume = 0.0;
   Vector3 corner;
   bool regular;
-  Lattice(const std::vector<FillPoint>& points, double spacing) {
+  FullLattice(const std::vector<FillPoint>& points, double spacing) {
     for (const FillPoint& p : points) largest_volume = std::max(largest_volume, p.volume);
     std::vector<FillPoint> full;  // centroids of cut cells are off the centre
     for (const FillPoint& p : points)
@@ -407,7 +407,7 @@ class PointFile {
 
   // Keeps the axes of the box, unless the points have a lattice only along those of the bond.
   void choose_axes() {
-    if (Lattice(cloud_.points, o_.spacing).regular) return;
+    if (FullLattice(cloud_.points, o_.spacing).regular) return;
     const BondAxes axes = bond_axes(pair_.n);
     std::vector<FillPoint> turned = cloud_.points;
     const Matrix3 T = axes.turn.conjugate().toRotationMatrix();
@@ -420,7 +420,7 @@ class PointFile {
       const double along[6] = {d(0, 0), d(1, 1), d(2, 2), d(1, 2), d(0, 2), d(0, 1)};
       std::copy(along, along + 6, p.damage);
     }
-    if (!Lattice(turned, o_.spacing).regular) return;
+    if (!FullLattice(turned, o_.spacing).regular) return;
     cloud_.points.swap(turned);
     cloud_.turn = axes.turn;
     n_ = axes.n;
@@ -442,7 +442,7 @@ class PointFile {
   }
 
   void find_lattice() {
-    const Lattice found(cloud_.points, o_.spacing);
+    const FullLattice found(cloud_.points, o_.spacing);
     cloud_.largest_volume = found.largest_volume;
     cloud_.regular = found.regular;
     cloud_.lattice = found.regular ? found.corner : cloud_.corner;
