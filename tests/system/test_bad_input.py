@@ -548,6 +548,10 @@ WARN = {
         ],
         ["fix mpm (id cem)", "energy of the cement was made", "fix 'm' (nve/limit)", "use 'fix nve/sphere'"],
     ),
+    "a ring that its inner radius makes narrow": (
+        [("inner 1e-3 outer 2e-3 film grid", "inner 1.7e-3 outer 2e-3")],
+        ["pair 1 2", "cells of two points across", "use a spacing of at most", ", or a smaller 'inner', to resolve it"],
+    ),
     "wide cell": ([("cell 0.0002", "cell 0.00041")], ["'cell 0.00041'", "4.1 spacings", "two spacings"]),
     "a threshold as a strength": (
         with_damage("damage tensor B0 20e6"),

@@ -8,7 +8,6 @@
 #include <map>
 
 #include "../numerics/sort_unique.h"
-#include "bond_record.h"
 #include "extension_constraints.h"
 
 namespace mpdem {

@@ -21,7 +21,7 @@ constexpr Units kUnits[] = {
 };
 
 // Compressional waves run at some 900 m/s in polymers and at 7 000 m/s in calcite. Calcite has a density of 2 710 kg/m3.
-// Crystals of calcite and cemented rocks fail at tensile stresses of 0.1 to 50 MPa.
+// Crystals of calcite and cemented rocks fail at tensile stresses of 0.1 to 50 MPa. The limits leave room on both sides.
 constexpr double kSlowest = 500.0, kFastest = 10e3;
 constexpr double kLightest = 1e3, kHeaviest = 4e3;
 constexpr double kWeakest = 1e3, kStrongest = 80e6;
