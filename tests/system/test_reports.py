@@ -25,8 +25,9 @@ def test_where_time_goes(ranks, tmp_path):
     points = int(re.search(r"fix mpm \(id cem\): (\d+) material points", out)[1])
     assert abs(rate * seconds / (200 * points) - 1) < 1e-4 and 300 < size < 1e5
     # A rank takes no more CPU time than wall time, and no more than the whole program did. It may wait for a processor for any time.
+    # The two clocks of a virtual machine were 2.7 % apart in a run of 6 ms; a clock that counts two ranks or a thread twice is a factor of 2.
     cpu = 200 * points / by_cpu
-    assert 2e-9 * 200 * points < cpu < 1.02 * seconds
+    assert 2e-9 * 200 * points < cpu < 1.1 * seconds + 1e-3
     assert cpu < after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     phases = found[5].split("; ")[0].split(", ")
     assert [re.sub(r" [0-9.]+ %$", "", p) for p in phases] == PHASES
