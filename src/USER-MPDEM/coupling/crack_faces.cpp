@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "relative_damping.h"
+#include "../material/coulomb.h"
 #include "../mpm/block_nodes.h"
 #include "../mpm/scatter.h"
 #include "../parallel/agree.h"
@@ -140,9 +141,9 @@ void CrackFaces::add_pair_force(Pair& p, Grid& grid, const double* mass, double 
   // An overlap, where the normal rotated, is undone no faster than the faces close; otherwise it would supply energy.
   const double after = std::min(-wn / dt, -vn);
   const double normal = (after - vn) * reduced_mass_over_kick, stop = std::sqrt(dot(slip, slip)) * reduced_mass_over_kick;
-  const double share = stop > friction_ * normal ? friction_ * normal / stop : 1.0;
+  const double sticks = 1.0 - sliding_share(friction_ * normal, stop);
   for (int d = 0; d < 3; ++d) {
-    p.force[d] = normal * n[d] - share * reduced_mass_over_kick * slip[d];
+    p.force[d] = normal * n[d] - sticks * reduced_mass_over_kick * slip[d];
     grid.force[a + d] -= p.force[d];
     grid.force[b + d] += p.force[d];
   }
@@ -166,13 +167,6 @@ Power CrackFaces::power(const Grid& grid) const {
       for (int d = 0; d < 3; ++d) power.add((s == 0 ? 1.0 : -1.0) * p.force[d], grid.velocity[i + d], grid.acceleration[i + d]);
     }
   return power;
-}
-
-std::string CrackFaces::trouble(const PointStore& points, Grid& grid, long step) const {
-  const double slid = slid_too_far(points, grid);
-  if (slid == 0.0) return std::string();
-  return text_of("faces of a crack in the cement touch after they slid ", slid, " at step ", step, ", with 'friction' the most is a cell, ",
-                 grid.h, "; end the run before, or use 'kinematics updated' without 'friction'");
 }
 
 }  // namespace mpdem

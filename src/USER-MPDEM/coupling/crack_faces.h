@@ -21,9 +21,10 @@
 // pair loses by impact and slip is the work of these forces. Copies whose G is below 1e-5 of the face of a cell have no
 // contact.
 //
-// Slips of up to a cell are valid. Pairs with larger slips have no contact. slid_too_far() reports those with
-// both copies connected to a grain. A piece that is connected to no grain flies freely and is not reported: it reaches
-// the plane of the face from which it broke off elsewhere, where there is no contact.
+// Slips of up to a cell are valid. Pairs with larger slips have no contact. slid_too_far() finds those with both copies
+// connected to a grain. The bond then goes on as rigid pieces (contact/piece_contact.h). A piece that is connected to no
+// grain flies freely and does not count: it reaches the plane of the face from which it broke off elsewhere, where there
+// is no contact.
 #ifndef MPDEM_COUPLING_CRACK_FACES_H
 #define MPDEM_COUPLING_CRACK_FACES_H
 
@@ -48,7 +49,7 @@ class CrackFaces : public BondMechanism {
 
   void add_contact(const BondContext& b) override { add_contact_force(b.points, b.grid, b.added_mass, b.kick, b.dt); }
   void add_friction_power(const Grid& grid, Power& sum) const override { sum.add(power(grid)); }
-  std::string trouble(const PointStore& points, Grid& grid, long step) const override;
+  bool has_ended(const PointStore& points, Grid& grid) const override { return slid_too_far(points, grid) > 0.0; }
 
   // Collective among the ranks that share the nodes, all of which have all copies. Adds the forces of the pairs to
   // those of the nodes, which are complete. added: added mass of the nodes, or an empty list. The next step changes

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "../material/coulomb.h"
 #include "../mpm/lane_by_lane.h"
 #include "../parallel/agree.h"
 #include "free_weights.h"
@@ -131,9 +132,7 @@ double DebondedContact::follow(Block& b, PointStore& points, const BondEnd& s, T
   const TractionStiffness k = p_.contact();
   const vmask starts = lanes(static_cast<std::uint8_t>(b.closed & ~was));
   const vd limit = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));  // mu p, |kt e|
-  const vmask slips =
-      lanes(was) & (size > (1.0 + 1e-9) * limit);  // 1e-9: rounding is no slip; all of e slips where the gap opens, since limit is 0
-  const vd share = select(slips, 1.0 - limit / size, vd{});  // share of e that slips
+  const vd share = masked(was, sliding_share(limit, size));  // all of e slips where the gap opens, since limit is 0
   for (int i = 0; i < 3; ++i) {
     const vd at = s.R.a[0][i] * t.q[0] + s.R.a[1][i] * t.q[1] + s.R.a[2][i] * t.q[2];
     const vd slip = share * (s.R.a[0][i] * t.e[0] + s.R.a[1][i] * t.e[1] + s.R.a[2][i] * t.e[2]);

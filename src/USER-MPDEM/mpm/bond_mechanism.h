@@ -67,6 +67,9 @@ class BondMechanism {
   // Called when the grains to which nodes are connected changed. connected: connected_grains_of_nodes() of coupling/relative_damping.h,
   // empty for a bond that is not separated.
   virtual void follow_grains(const Grid&, const BondRecord&, const std::vector<char>& /* connected */) {}
+  // True if the motion left the range of the mechanism, so that the separated bond has to go on as rigid pieces.
+  // Collective among the ranks that share the nodes.
+  virtual bool has_ended(const PointStore&, Grid&) const { return false; }
   // Returns what is wrong with the state, or an empty text. Collective among the ranks that share the nodes.
   virtual std::string trouble(const PointStore&, Grid&, long /* step */) const { return std::string(); }
   virtual std::size_t memory_usage() const = 0;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "../material/corotational.h"
+#include "../material/coulomb.h"
 #include "../material/laws.h"
 #include "gather.h"
 #include "point_state.h"
@@ -172,9 +173,8 @@ double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& bef
   const vd size =
       G_ * sqrt(shear.traction[0] * shear.traction[0] + shear.traction[1] * shear.traction[1] + shear.traction[2] * shear.traction[2]);
   const vd most = friction_ * pressure(b, now);
-  const vmask slides = size > (1.0 + 1e-9) * most;  // 1e-9: rounding is no slip
-  if (!any(slides)) return 0.0;
-  const vd share = select(slides, 1.0 - most / size, vd{});
+  const vd share = sliding_share(most, size);
+  if (!any(share > 0.0)) return 0.0;
   points.start_slip();
   vd taken{};
   for (int i = 0; i < 3; ++i) {

@@ -2,6 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -21,6 +22,12 @@ std::array<double, 3> Scene::weight_of(const Bond& b) const {
 }
 
 double Scene::shear_speed() const { return std::sqrt(law->elasticity().softest_shear() / scaled_density); }
+
+bool Scene::stays_linear(const Bond& b) const {
+  if ((touches() || options.unilateral) && b.points.any_failed()) return false;
+  const auto debonded = [](const Link& k) { return !k.attached; };
+  return !touches() || (b.points.contacts.empty() && std::none_of(b.points.links.begin(), b.points.links.end(), debonded));
+}
 
 double Scene::eigenvalue_bound() const {
   return mpdem::eigenvalue_bound(options.basis, law->elasticity().largest_stiffness(), scaled_density, options.cell);

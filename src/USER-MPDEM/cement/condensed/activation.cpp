@@ -242,6 +242,19 @@ bool CondensedBonds::matches_rigid_pieces(Bond& resolved, const BondRecord& reco
   return true;
 }
 
+void CondensedBonds::prepare_pieces(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law) {
+  std::vector<char> cut(rows.size(), 0);
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (const Bond* b = bonds.find(rows[n])) cut[n] = !bonds.is_whole(*b);
+  if (!rows.empty()) MPI_Allreduce(MPI_IN_PLACE, cut.data(), static_cast<int>(cut.size()), MPI_SIGNED_CHAR, MPI_MAX, comm);
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    Bond* b = bonds.find(rows[n]);
+    if (!b && !cut[n]) continue;
+    const std::shared_ptr<const Solution> s = of_pieces(cut[n] ? comm : MPI_COMM_SELF, b, bonds.table[rows[n]], law);
+    if (b) candidates_[rows[n]].solution = s;
+  }
+}
+
 GrainLoads CondensedBonds::momentum_of_nodes(const Bond& resolved, const BondRecord& record, const BondEnd* ends) const {
   const Solution& s = *candidates_.at(resolved.row).solution;
   if (!s.grain_of_node.empty()) return momentum_of_pieces(resolved, s.grain_of_node, s.models, record, ends);

@@ -50,9 +50,10 @@ class CondensedBonds {
                          double scaled_density);
   // Sets whether a row is condensed as rigid pieces. The same on all ranks. Call before solve().
   void set_in_pieces(int row, bool yes) {
-    if (yes) in_pieces_.insert(row);
+    if (yes) pieces_made_ += in_pieces_.insert(row).second;
     else in_pieces_.erase(row);
   }
+  int pieces_made() const { return pieces_made_; }  // grows with each row that becomes condensed as pieces
   bool is_in_pieces(int row) const { return in_pieces_.count(row) > 0; }
   int solved_last() const { return solved_last_; }  // number of solutions that this rank found last, templates included
   const std::vector<int>& without_field_last() const { return without_field_last_; }  // result of the last solve()
@@ -146,6 +147,8 @@ class CondensedBonds {
   // energy may change by kChange of the largest load that the bond had, and of the energy with that load.
   bool matches_rigid_pieces(Bond& resolved, const BondRecord& record, const BondEnd* ends, double energy,
                             const LoadHistory::Largest& largest, const double* gravity, double dt_last, const Law& law);
+  // Collective. Finds the models of the pieces of these separated bonds, which need not rest.
+  void prepare_pieces(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law);
   // Momentum of a bond that is condensed again, half a step before the present time. It is distributed to both grains as
   // a load of the bond is. momentum_of_nodes(): of its nodes. momentum_as_condensed(): of the condensed bond with the
   // motion of these ends; call it after solve().
@@ -219,6 +222,7 @@ class CondensedBonds {
   int solved_last_ = 0;
   std::vector<int> without_field_last_;
   std::set<int> in_pieces_;
+  int pieces_made_ = 0;
   std::set<int> cut_;  // rows that several ranks share, the same on all ranks
   struct Candidate {
     int layout = 0;                            // Bond::layout when it was solved

@@ -23,6 +23,7 @@
 #include "../step/layout_manager.h"
 #include "../layout/cement_restart.h"
 #include "../condensed/condensed_bonds.h"
+#include "../../contact/piece_contact.h"
 #include "../step/condensing.h"
 #include "../step/departures.h"
 #include "../failure/discontinuities.h"
@@ -125,6 +126,15 @@ class Cement {
       return std::numeric_limits<double>::infinity();
     }
   }
+
+  // Contact of the cement with other bodies, see contact/piece_contact.h. is_apart(): the bond is separated and moves as
+  // rigid pieces. pieces_made(): grows when a bond becomes apart. surfaces(): of these bonds, the same on all ranks;
+  // collective.
+  bool has_contact() const;
+  ContactOfPieces contact_parameters() const;
+  bool is_apart(int row) const { return condensed_.is_in_pieces(row); }
+  int pieces_made() const { return condensed_.pieces_made(); }
+  std::vector<std::vector<CementPiece>> surfaces(const std::vector<int>& rows) const;
 
   // Throws BadState if a node is not finite, a bonded grain is gone, cement is pressed too deep into a grain, or faces
   // of a crack in contact slid too far.

@@ -78,8 +78,6 @@ double count_broken(const PointStore& points) {
   return count;
 }
 
-double count_broken(const Bond& b) { return count_broken(b.points) + count_broken(b.film.points); }
-
 // Least width of a bridge in spacings, see Neighbours.
 int cells_across(const BondRecord& record, const CementOptions& options) {
   return std::max(1, static_cast<int>(std::lround(options.narrowest_bridge() / record.spacing)));
@@ -202,7 +200,7 @@ Separation Cracks::find_separation(const BondRecord& record, int row, const Ceme
 
 std::string Cracks::mode(std::size_t row) const { return broken(row) ? mode_of(states_[row].separation) : "intact"; }
 
-bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond) == states_[bond.row].broken_seen; }
+double Cracks::count_broken(const Bond& bond) { return mpdem::count_broken(bond.points) + mpdem::count_broken(bond.film.points); }
 
 // Returns rows whose path is cut and where something failed since the last examination. Any separated bond may have new
 // fragments, so with `with_separated` all resolved ones are candidates.

@@ -35,8 +35,11 @@ class Cracks {
   };
   const State& operator[](std::size_t row) const { return states_[row]; }
   std::size_t size() const { return states_.size(); }
-  // True if nothing failed or debonded since the last examination. The bond must be separated and whole on this rank.
-  bool has_seen(const Bond& bond) const;
+  // Number of failed points and debonded links of a bond on this rank.
+  static double count_broken(const Bond& bond);
+  // True if nothing failed or debonded since the last examination of a separated bond. broken: count_broken(), summed
+  // over the ranks.
+  bool has_seen(int row, double broken) const { return broken == states_[static_cast<std::size_t>(row)].broken_seen; }
   bool separated(std::size_t row) const { return row < states_.size() && states_[row].separation.separated; }
   // True if the bond is separated or no longer carries load. In the second case `separation` has the surface of a crack
   // through the ligament, until the bond is separated.

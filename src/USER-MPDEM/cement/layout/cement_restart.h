@@ -58,7 +58,7 @@ struct DamageLawSettings {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 21;
+  static constexpr int kVersion = 22;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;

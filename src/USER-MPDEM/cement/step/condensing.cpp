@@ -3,10 +3,13 @@
 #include "condensing.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "../../mpm/field_drive.h"
 #include "../../mpm/point_state.h"
+#include "../../numerics/sort_unique.h"
 #include "../../parallel/agree.h"
+#include "../../parallel/ranks.h"
 #include "nonlocal.h"
 #include "../condensed/template_layouts.h"
 #include "../condensed/rigid_pieces.h"
@@ -18,13 +21,17 @@ void Condensing::choose() {
   for (std::size_t row = 0; row < scene_.bonds().table.size(); ++row) {
     BondRecord& b = scene_.bonds().table[row];
     if (!b.in_motion) b.condensed = scene_.options.condense && scene_.penalty;
-    if (b.condensed && !scene_.options.condense)
+    if (b.condensed && !scene_.options.condense && !cracks_.separated(row))
       throw BadState(text_of("bonds were condensed in the steps before, that of grains ", b.grain[0], " and ", b.grain[1],
                              " still is; use 'condense yes'"));
     if (b.condensed && !scene_.penalty)
       throw BadState(text_of("the bond of grains ", b.grain[0], " and ", b.grain[1],
                              " is condensed, but nothing holds it to its grains; use 'fix mpm/couple' as in the steps before"));
   }
+  std::vector<int> nonlinear;
+  for (const Bond& b : scene_.bonds())
+    if (!scene_.bonds().record(b).in_motion && !scene_.stays_linear(b)) nonlinear.push_back(b.row);
+  for (int row : scene_.agreed_rows(nonlinear)) scene_.bonds().table[row].condensed = false;
   scene_.bonds().resolved_changed();
 }
 
@@ -39,7 +46,7 @@ void Condensing::bind() {
 }
 
 void Condensing::condense(const std::vector<int>& rows, bool at_start) {
-  if (!scene_.options.condense || !scene_.penalty) return;
+  if (!scene_.may_condense()) return;
   mark_pieces(rows);
   std::vector<int> resolved = rows_with_loose_pieces(rows);
   for (int row : resolved) scene_.bonds().table[row].condensed = false;
@@ -103,7 +110,7 @@ std::vector<int> Condensing::ask_for_points(const std::vector<int>& rows) {
 
 bool Condensing::change() {
   activated_ = recondensed_ = Change();
-  if (!scene_.options.condense || !scene_.penalty) return false;
+  if (!scene_.may_condense()) return false;
   activate();
   condense_again();
   return !activated_.rows.empty() || !recondensed_.rows.empty();
@@ -181,15 +188,41 @@ bool Condensing::rests(Bond& b) {
   // a condensed bond is not examined, so node splitting and the check must have seen all failed points
   const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.split_checked) != 0; };
   if (scene_.options.split && std::any_of(b.points.meta.begin(), b.points.meta.end(), is_to_split)) return false;
-  if (cracks_.separated(b.row) && !cracks_.has_seen(b)) return false;
+  if (cracks_.separated(b.row) && (scene_.touches() || !cracks_.has_seen(b.row, Cracks::count_broken(b)))) return false;
   const BondEnd* ends = scene_.grains.ends_of(b);
   if (cracks_.separated(b.row))
     return condensed_.matches_rigid_pieces(b, record, ends, work_.energy_of(b), load_history_.largest(b.row), scene_.weight().data(),
                                            scene_.dt_last, *scene_.law);
+  if (!scene_.options.condense || !scene_.stays_linear(b)) return false;
   const double root =
       std::max(largest_root_of_drive(b.points, *scene_.law, nullptr), largest_root_of_drive(b.film.points, *scene_.law, nullptr));
   if (root >= kBelow * root_of_share(*scene_.law, scene_.options.activation_share)) return false;
   return condensed_.matches_static_solution(b, record, ends, work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law);
+}
+
+// Collective. Returns the separated bonds that go on as rigid pieces, with contact. With `condense no`, only those in
+// which faces of a crack slid too far. They keep no strain, and no large fragment that is attached to no grain.
+std::vector<int> Condensing::rows_to_part() {
+  std::vector<int> rows;
+  const std::vector<BondRecord>& table = scene_.bonds().table;
+  for (std::size_t row = 0; row < table.size() && scene_.touches(); ++row)
+    if (!table[row].condensed && table[row].has_grain(0) && table[row].has_grain(1) && cracks_.separated(row))
+      rows.push_back(static_cast<int>(row));
+  if (rows.empty()) return rows;
+  std::vector<double> sums(3 * rows.size(), 0.0);  // points in fragments, broken points and links, ranks on which a mechanism has ended
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    Bond* b = scene_.bonds().find(rows[n]);
+    if (!b) continue;
+    sums[3 * n] = points_in_fragments(b->points);
+    sums[3 * n + 1] = Cracks::count_broken(*b);
+    for (const auto& p : b->mechanisms) sums[3 * n + 2] += !scene_.options.condense && p->has_ended(b->points, b->grid);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, scene_.comm);
+  std::vector<int> parted;
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (sums[3 * n] < kLeastLoose && cracks_.has_seen(rows[n], sums[3 * n + 1]) && (scene_.options.condense || sums[3 * n + 2] > 0.0))
+      parted.push_back(rows[n]);
+  return parted;
 }
 
 // Collective. Returns bonds that may be condensed again. The force of one step passes zero while pieces ring, so
@@ -213,12 +246,22 @@ std::vector<int> Condensing::rows_that_rest() {
 void Condensing::condense_again() {
   if (!scene_.ends_step() || scene_.now.number % scene_.options.check_every != 0) return;
   BondedGrains& grains = scene_.grains;
-  const std::vector<int> rows = recondensed_.rows = rows_that_rest();
+  const std::vector<int> parted = rows_to_part();
+  std::vector<int> rows = rows_that_rest();
+  rows.insert(rows.end(), parted.begin(), parted.end());
+  sort_unique(rows);
+  recondensed_.rows = rows;
   if (rows.empty()) return;
+  condensed_.prepare_pieces(scene_.comm, scene_.bonds(), parted, *scene_.law);
+  std::vector<int> first(rows.size(), std::numeric_limits<int>::max());  // rank that counts the momentum of the condensed bond
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (scene_.bonds().find(rows[n])) first[n] = rank_in(scene_.comm);
+  MPI_Allreduce(MPI_IN_PLACE, first.data(), static_cast<int>(first.size()), MPI_INT, MPI_MIN, scene_.comm);
   const double half = 0.5 * scene_.dt_last;
   std::vector<double> lost_momentum(6 * grains.ends.ends.size(), 0.0);  // of each end: momentum that the bond loses, given to the grain
   struct OfRow {
     int row, at;
+    bool counts;
     BondEnd ends[2];
   };
   std::vector<OfRow> here;
@@ -230,12 +273,13 @@ void Condensing::condense_again() {
   };
   for (int row : rows) scene_.bonds().table[row].condensed = true;
   mark_pieces(rows);
-  for (int row : rows) {
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const int row = rows[n];
     Bond* b = scene_.bonds().find(row);
     if (!b) continue;
     recondensed_.energy += work_.energy_of(*b);
     const BondEnd* ends = grains.ends_of(*b);
-    here.push_back({row, b->first_end_index, {ends[0], ends[1]}});
+    here.push_back({row, b->first_end_index, first[n] == rank_in(scene_.comm), {ends[0], ends[1]}});
     add_to_lost(here.back(), condensed_.momentum_of_nodes(*b, scene_.bonds().table[row], ends), 1.0);
     condensed_.forget_candidate(row);
     revert_field(b->points);
@@ -252,7 +296,8 @@ void Condensing::condense_again() {
   grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.scaled_density, {});
   added_.refresh(rows);
   condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.scaled_density);
-  for (const OfRow& o : here) add_to_lost(o, condensed_.momentum_as_condensed(o.row, scene_.bonds().table[o.row], o.ends, half), -1.0);
+  for (const OfRow& o : here)
+    if (o.counts) add_to_lost(o, condensed_.momentum_as_condensed(o.row, scene_.bonds().table[o.row], o.ends, half), -1.0);
   ends.sum(lost_momentum.data(), 6);
   std::vector<BondedGrains::Six> momentum(grains.grains.size(), BondedGrains::Six{});
   for (const BondedGrains::OwnedEnd& o : owned)

@@ -44,7 +44,8 @@ class Condensing {
   // Call once the forces of a step are known. Activates bonds near their threshold. After a check, it also condenses
   // resolved bonds again. Such a bond lies on one rank, is far from its threshold, and its waves have decayed: force and
   // energy hardly change as it is condensed. It keeps its damage, and its solution has the present stiffness. A separated
-  // bond is condensed if its pieces rest with their grains. Returns true if something changed. Then compute the forces of
+  // bond is condensed if its pieces rest with their grains, and at once where cement has contact: contact/piece_contact.h
+  // then takes over what the pieces feel. Returns true if something changed. Then compute the forces of
   // the step again as the start of a run does, so that a divided run gives the result of a single run, and call
   // count_changes().
   bool change();
@@ -63,6 +64,7 @@ class Condensing {
   std::vector<int> rows_to_activate();
   std::vector<int> rows_that_rest();
   bool rests(Bond& b);
+  std::vector<int> rows_to_part();
   void mark_pieces(const std::vector<int>& rows);
   std::vector<int> rows_with_loose_pieces(const std::vector<int>& rows) const;
 

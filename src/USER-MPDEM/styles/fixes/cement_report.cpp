@@ -123,7 +123,7 @@ void CementReport::parameters(Cement& c, bigint points) {
     if (c.penalty() && c.penalty()->friction < 0.0 && (!c.law().inert() || c.penalty()->law->fields() > 0))
       text += text_of("  contact   cement that debonded goes through its grain",
                       word_of(o.unilateral, "", ", and faces of cracks through each other"),
-                      "; 'friction' of fix mpm/couple makes them touch", word_of(o.condense, ", with 'condense no'", ""), "\n");
+                      "; 'friction' of fix mpm/couple makes them touch\n");
     text += if_quasistatic(
         o, text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relative_damping, " of critical\n"));
     text +=

@@ -5,7 +5,6 @@
 #include <mpi.h>
 
 #include <algorithm>
-#include <climits>
 #include <cmath>
 #include <optional>
 
@@ -38,7 +37,13 @@ constexpr int kReportEvery = 5;  // steps between checks for grains that are los
 }  // namespace
 
 FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg)
-    : Fix(lmp, narg, arg), avec_(AtomVecMpdem::of(lmp)), atoms_(lmp, who()), hidden_(lmp), ranks_(lmp), leaving_(lmp, who()) {
+    : Fix(lmp, narg, arg),
+      avec_(AtomVecMpdem::of(lmp)),
+      atoms_(lmp, who()),
+      contacts_(lmp),
+      hidden_(lmp),
+      ranks_(lmp),
+      leaving_(lmp, who()) {
   time_integrate = 1;
   restart_global = 1;
   force_reneighbor = 1;  // LIGGGHTS exchanges atoms at the step next_reneighbor
@@ -111,9 +116,7 @@ void FixMpm::init() {
   gravities_ = mpdem::gravities(view);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   cement_->set_most_bytes(0.5 * memory_limit_);  // the other half is for points and LIGGGHTS
-  std::vector<mpdem::SceneOption> made;
-  add_film(made);
-  refuse(who(), made);
+  refuse(who(), {});
   cement_->couple(nullptr);  // fix mpm/couple registers in its own init
   coupling_.forget();
   atoms_.find(*avec_, cement_->grains());
@@ -175,7 +178,6 @@ void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p
   if (!trouble.empty()) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): ", trouble));
   std::vector<mpdem::SceneOption> words;
   for (const std::string& one : said) words.push_back({one});
-  add_film(words);
   refuse(text_of("fix mpm/couple (id ", coupling->id, "): "), std::move(words), false);
   cement_->couple(&p);
   set_time_step(coupling);
@@ -186,19 +188,6 @@ void FixMpm::refuse(const std::string& who, std::vector<mpdem::SceneOption> othe
   for (const mpdem::SceneOption& w : words_) others.push_back({w.words, from_here ? "" : text_of("fix mpm (id ", id, ")")});
   const std::string trouble = mpdem::exclusion_in(others);
   if (!trouble.empty()) mpdem::stop_all(lmp, who + trouble);
-}
-
-// Collective. Adds the option of the first bond with a film, if there is one.
-void FixMpm::add_film(std::vector<mpdem::SceneOption>& words) {
-  const std::vector<mpdem::BondRecord>& table = avec_->bonds.table;
-  int mine = INT_MAX, first;
-  for (const mpdem::Bond& b : avec_->bonds)
-    if (!b.film.empty()) mine = std::min(mine, b.row);
-  for (int row : avec_->bonds.rows_without_points())
-    if (avec_->bonds.template_of(row).points.back().film) mine = std::min(mine, row);
-  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, world);
-  if (first < INT_MAX)
-    words.push_back({"film joined", text_of("the cement of grains ", table[first].grain[0], " and ", table[first].grain[1])});
 }
 
 void FixMpm::set_time_step(const Fix* running) {
@@ -260,6 +249,7 @@ void FixMpm::setup(int) {
   guarded([this] { report_->parameters(*cement_, mpdem::points_made(*avec_)); });
   write_events();
   check_state();
+  contacts_.start_run(*avec_, *cement_);
   atoms_.read(cement_->grains());
   if (cement_->penalty()) atoms_.expect_gravity(cement_->grains(), this);
   guarded([this] { cement_->start_run(); });
@@ -318,6 +308,7 @@ void FixMpm::pre_exchange() {
 void FixMpm::pre_neighbor() {
   cement_->timer().start(mpdem::StepTimer::kLayout);
   avec_->clear_loads_of_points();  // points have other indices in LIGGGHTS' lists now
+  contacts_.atoms_moved();
   mpdem::check_host(mpdem::kExchanged, host());
   atoms_.find(*avec_, cement_->grains());
   atoms_.read(cement_->grains());
@@ -329,6 +320,7 @@ void FixMpm::pre_neighbor() {
 void FixMpm::post_force(int) {
   report_->forget();  // values requested earlier in this step are those of the last step
   atoms_.follow(cement_->grains(), cell(), step_input().dt);
+  contacts_.add_forces(*avec_, update->dt);
   atoms_.read(cement_->grains());
   guarded([this] { cement_->step(); });
   if (!cement_->rows_that_want_points().empty()) next_reneighbor = update->ntimestep + 1;
@@ -343,6 +335,7 @@ void FixMpm::end_of_step() {
   if (output_due || first || update->ntimestep % kReportEvery == 0) atoms_.report_trouble();
   atoms_.read(cement_->grains());
   guarded([this] { cement_->end_step(); });
+  contacts_.take_changes(*avec_, *cement_);
   atoms_.write_forces(cement_->grains());
   if (output_due || check_due || first) report_->jump(*cement_);
   report_->forget();  // values requested earlier lack the work of this step

@@ -23,6 +23,7 @@ FixStyle(mpm, FixMpm)
 #include "../atoms/atom_vec_mpdem.h"
 #include "auto_step.h"
 #include "../atoms/bonded_atoms.h"
+#include "../atoms/cement_contacts.h"
 #include "cement_report.h"
 #include "../guards/coupling_history.h"
 #include "failure_log.h"
@@ -107,7 +108,6 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void film_failed(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::film); }
   void links_debonded(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::links); }
   void refuse(const std::string& who, std::vector<mpdem::SceneOption> others, bool from_here = true);
-  void add_film(std::vector<mpdem::SceneOption>& words);
   void slots_changed(const mpdem::Bond& bond) override;
   void failed(const mpdem::Bond& bond, mpdem::Failed what);
 
@@ -137,6 +137,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   std::unique_ptr<mpdem::QuasistaticWatch> watch_;
   std::unique_ptr<mpdem::AutoStep> step_;
   mpdem::BondedAtoms atoms_;
+  mpdem::CementContacts contacts_;
   mpdem::FailureLog failures_;
   std::vector<mpdem::SceneOption> words_;  // keywords of the script
   mpdem::CouplingHistory coupling_;

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "cement_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "../numerics/rotation.h"
+
+namespace mpdem {
+
+namespace {
+
+using Cell = std::array<int, 3>;
+
+// Lattice cells that have a point of each side, ascending.
+struct OccupiedCells {
+  std::vector<Cell> of_side[2];
+  OccupiedCells(const BondRecord& record, const std::vector<PointOfCement>& points) {
+    for (const PointOfCement& p : points)
+      if (p.thickness == 0.0) of_side[p.side].push_back(cell_of(record, p.X));
+    for (std::vector<Cell>& cells : of_side) std::sort(cells.begin(), cells.end());
+  }
+  static Cell cell_of(const BondRecord& record, const double* X) {
+    return {lattice_cell(record, 0, X[0]), lattice_cell(record, 1, X[1]), lattice_cell(record, 2, X[2])};
+  }
+  bool has(int side, const Cell& c) const { return std::binary_search(of_side[side].begin(), of_side[side].end(), c); }
+};
+
+// Direction from the cement that is around a point to the empty places, zero if there is cement all around. exposed: is
+// one of the six nearest places empty?
+std::array<double, 3> outward(const BondRecord& record, const OccupiedCells& cells, const PointOfCement& p, bool apart, bool& exposed) {
+  std::array<double, 3> sum{};
+  const Cell own = OccupiedCells::cell_of(record, p.X);
+  exposed = false;
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int k = -1; k <= 1; ++k) {
+        const int step[3] = {i, j, k}, steps = i * i + j * j + k * k;
+        if (steps == 0) continue;
+        double place[3];
+        for (int d = 0; d < 3; ++d) place[d] = p.X[d] + record.spacing * step[d];
+        bool filled = false;
+        for (int s = 0; s < 2; ++s)
+          if (!apart || s == p.side)
+            filled = filled || cells.has(s, {own[0] + i, own[1] + j, own[2] + k}) || above_grain(record, s, place) < 0.0;
+        if (filled) continue;
+        exposed = exposed || steps == 1;
+        for (int d = 0; d < 3; ++d) sum[d] += step[d] / std::sqrt(steps);
+      }
+  return sum;
+}
+
+}  // namespace
+
+void CementPiece::find_bounds() {
+  size = static_cast<int>(points.size());
+  for (int d = 0; d < 3; ++d) {
+    double low = points.front().X[d], high = low;
+    for (const SurfacePoint& p : points) {
+      low = std::min(low, p.X[d]);
+      high = std::max(high, p.X[d]);
+    }
+    middle[d] = 0.5 * (low + high);
+  }
+  reach = 0.0;
+  for (const SurfacePoint& p : points) {
+    double square = 0.0;
+    for (int d = 0; d < 3; ++d) square += (p.X[d] - middle[d]) * (p.X[d] - middle[d]);
+    reach = std::max(reach, std::sqrt(square) + std::max(p.radius, 0.0));
+  }
+}
+
+std::vector<CementPiece> pieces_of(const BondRecord& record, int row, const std::vector<PointOfCement>& points, bool apart) {
+  const OccupiedCells cells(record, points);
+  std::vector<CementPiece> both(2), pieces;
+  for (int s = 0; s < 2; ++s) {
+    CementPiece& piece = both[s];
+    piece.row = row;
+    piece.side = s;
+    piece.grain = record.grain[s];
+    piece.other = record.grain[1 - s];
+    piece.apart = apart;
+    piece.spacing = record.spacing;
+  }
+  for (const PointOfCement& p : points) {
+    if (!record.has_grain(p.side) || (p.thickness > 0.0 && !apart)) continue;
+    bool exposed = true;
+    std::array<double, 3> out{};
+    if (p.thickness == 0.0) out = outward(record, cells, p, apart, exposed);
+    if (!exposed) continue;
+    double from_grain[3], size = 0.0, size_of_out = 0.0;
+    for (int d = 0; d < 3; ++d) {
+      from_grain[d] = p.X[d] - record.centre[p.side][d];
+      size += from_grain[d] * from_grain[d];
+      size_of_out += out[d] * out[d];
+    }
+    // empty places on opposite sides leave no direction but that away from the grain
+    constexpr double kClear = 0.5;
+    const bool clear = std::sqrt(size_of_out) > kClear;
+    const Mat3<double> R = rotation_of(record.orientation[p.side]);
+    double normal[3];
+    for (int d = 0; d < 3; ++d) normal[d] = clear ? out[d] / std::sqrt(size_of_out) : from_grain[d] / std::sqrt(size);
+    SurfacePoint q;
+    const std::array<double, 3> X = turned_back(R, from_grain), n = turned_back(R, normal);
+    std::copy(X.begin(), X.end(), q.X);
+    std::copy(n.begin(), n.end(), q.normal);
+    const double side = std::cbrt(p.volume);
+    q.radius = p.thickness > 0.0 ? 0.5 * p.thickness : 0.5 * side;
+    q.area = p.thickness > 0.0 ? p.volume / p.thickness : side * side;
+    both[p.side].points.push_back(q);
+  }
+  for (CementPiece& piece : both) {
+    if (piece.points.empty()) continue;
+    piece.find_bounds();
+    pieces.push_back(std::move(piece));
+  }
+  return pieces;
+}
+
+}  // namespace mpdem

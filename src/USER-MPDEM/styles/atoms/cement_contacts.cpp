@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "cement_contacts.h"
+
+#include <algorithm>
+
+#include "atom.h"
+#include "domain.h"
+
+namespace mpdem {
+
+using namespace LAMMPS_NS;
+
+void CementContacts::start_run(AtomVecMpdem& avec, Cement& cement) {
+  active_ = cement.has_contact();
+  if (!active_) return;
+  contact_.set(cement.contact_parameters());
+  walls_.find();
+  take_surfaces(cement);
+  search(avec);
+  add_forces(avec, 0.0);
+}
+
+void CementContacts::take_changes(AtomVecMpdem& avec, Cement& cement) {
+  if (!active_ || cement.pieces_made() == pieces_made_) return;
+  take_surfaces(cement);
+  search(avec);
+}
+
+// Collective. Replaces the surfaces of bonds that are new or came apart since the last call.
+void CementContacts::take_surfaces(Cement& cement) {
+  pieces_made_ = cement.pieces_made();
+  const std::size_t bonds = cement.bonds().table.size();
+  if (taken_.size() < bonds) {
+    taken_.resize(bonds, 0);
+    for (const CementPiece& p : contact_.pieces()) taken_[p.row] = static_cast<signed char>(p.apart ? 2 : 1);  // from a restart file
+  }
+  std::vector<int> rows;
+  for (std::size_t row = 0; row < bonds; ++row) {
+    const signed char now = cement.is_apart(static_cast<int>(row)) ? 2 : 1;
+    if (taken_[row] != now) rows.push_back(static_cast<int>(row));
+    taken_[row] = now;
+  }
+  if (rows.empty()) return;
+  std::vector<std::vector<CementPiece>> surfaces = cement.surfaces(rows);
+  for (std::size_t n = 0; n < rows.size(); ++n) contact_.replace(rows[n], std::move(surfaces[n]));
+}
+
+void CementContacts::read_grains(AtomVecMpdem& avec) {
+  const Atom& atom = *lmp_->atom;
+  for (std::size_t n = 0; n < atoms_.size(); ++n) {
+    const int i = atoms_[n];
+    ContactBody& b = bodies_[n];
+    lmp_->domain->unmap(atom.x[i], atom.image[i], b.x);
+    std::copy(atom.v[i], atom.v[i] + 3, b.v);
+    std::copy(atom.omega[i], atom.omega[i] + 3, b.omega);
+    if (const double* q = avec.orientation(i)) std::copy(q, q + 4, b.q);
+  }
+}
+
+void CementContacts::search(AtomVecMpdem& avec) {
+  Atom& atom = *lmp_->atom;
+  atoms_.clear();
+  bodies_.clear();
+  for (int i = 0; i < atom.nlocal; ++i) {
+    if (avec.is_point(i)) continue;
+    atoms_.push_back(i);
+    bodies_.emplace_back();
+    bodies_.back().tag = atom.tag[i];
+    bodies_.back().radius = atom.radius[i];
+  }
+  read_grains(avec);
+  const Domain& domain = *lmp_->domain;
+  PieceContact::NearestImage nearest;
+  if (domain.xperiodic || domain.yperiodic || domain.zperiodic)
+    nearest = [this](double* d) {
+      const Domain& box = *lmp_->domain;
+      const int periodic[3] = {box.xperiodic, box.yperiodic, box.zperiodic};
+      for (int k = 0; k < 3; ++k)
+        if (periodic[k]) d[k] -= box.prd[k] * std::nearbyint(d[k] / box.prd[k]);
+    };
+  contact_.search(lmp_->world, bodies_, walls_, nearest);
+  search_is_due_ = false;
+}
+
+void CementContacts::add_forces(AtomVecMpdem& avec, double dt) {
+  if (!active_) return;
+  if (search_is_due_) search(avec);
+  else read_grains(avec);
+  search_is_due_ = contact_.find_forces(lmp_->world, bodies_, walls_, dt);
+  Atom& atom = *lmp_->atom;
+  for (std::size_t n = 0; n < atoms_.size(); ++n)
+    for (int d = 0; d < 3; ++d) {
+      atom.f[atoms_[n]][d] += bodies_[n].force[d];
+      atom.torque[atoms_[n]][d] += bodies_[n].torque[d];
+    }
+}
+
+}  // namespace mpdem

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Contact of cement with grains and walls of LIGGGHTS and with other cement, by contact/piece_contact.h: gives it the
+// motion of the grains, and adds its forces to theirs before fix mpm reads them as loads of the host.
+#ifndef MPDEM_STYLES_ATOMS_CEMENT_CONTACTS_H
+#define MPDEM_STYLES_ATOMS_CEMENT_CONTACTS_H
+
+#include <vector>
+
+#include "../../cement/engine/cement.h"
+#include "../../contact/piece_contact.h"
+#include "atom_vec_mpdem.h"
+#include "wall_faces.h"
+
+namespace mpdem {
+
+class CementContacts {
+ public:
+  explicit CementContacts(LAMMPS_NS::LAMMPS* lmp) : lmp_(lmp), walls_(lmp) {}
+
+  // Collective. Call it at the start of a run, before loads are read. The scene has contact if its coupling has friction.
+  void start_run(LAMMPS_NS::AtomVecMpdem& avec, Cement& cement);
+  // Collective. Adds the forces of a step to the grains.
+  void add_forces(LAMMPS_NS::AtomVecMpdem& avec, double dt);
+  // Collective. Call it at the end of a step, before grains move: takes the surfaces of bonds that changed.
+  void take_changes(LAMMPS_NS::AtomVecMpdem& avec, Cement& cement);
+  // Call it when atoms moved to other ranks or have other indices.
+  void atoms_moved() { search_is_due_ = true; }
+
+  bool active() const { return active_; }
+  const PieceContact& contact() const { return contact_; }
+  PieceContact& contact() { return contact_; }
+
+ private:
+  void take_surfaces(Cement& cement);
+  void read_grains(LAMMPS_NS::AtomVecMpdem& avec);
+  void search(LAMMPS_NS::AtomVecMpdem& avec);
+
+  LAMMPS_NS::LAMMPS* lmp_;
+  LiggghtsWalls walls_;
+  PieceContact contact_;
+  std::vector<int> atoms_;           // of the grains of this rank
+  std::vector<ContactBody> bodies_;  // in the same order
+  std::vector<signed char> taken_;   // of each bond: surface of 0: none, 1: the whole bond, 2: pieces apart
+  int pieces_made_ = 0;
+  bool active_ = false, search_is_due_ = true;
+};
+
+}  // namespace mpdem
+
+#endif
