@@ -34,7 +34,7 @@ Matrix3 matrix_of(const double* q) {
 
 struct KnownBody {
   int tag, rank;
-  double radius, x[3], q[4];
+  double radius, x[3], q[4], to_box[3];
 };
 
 // Cells of a regular grid with the spheres whose centres are in them.
@@ -148,10 +148,13 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
   candidates_.clear();
   near_.clear();
   slips_.clear();
+  loads_of_bonds_.clear();
   travel_ = 0.0;
   const int me = rank_in(comm);
   std::vector<KnownBody> known;
-  for (const ContactBody& b : bodies) known.push_back({b.tag, me, b.radius, {b.x[0], b.x[1], b.x[2]}, {b.q[0], b.q[1], b.q[2], b.q[3]}});
+  for (const ContactBody& b : bodies)
+    known.push_back(
+        {b.tag, me, b.radius, {b.x[0], b.x[1], b.x[2]}, {b.q[0], b.q[1], b.q[2], b.q[3]}, {b.to_box[0], b.to_box[1], b.to_box[2]}});
   known = gather_all(comm, known);
   std::sort(known.begin(), known.end(), [](const KnownBody& a, const KnownBody& b) { return a.tag < b.tag; });
   const auto body_of = [&](int tag) {
@@ -191,7 +194,7 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
     const auto add = [&](int kind, int other, int tag, const Vector3& x, double radius) {
       const Vector3 shift = shift_to(middles[n], x);
       if ((x + shift - middles[n]).norm() > radius + piece.reach + p_.skin) return;
-      found.push_back({static_cast<int>(n), kind, other, piece.grain, tag, {shift[0], shift[1], shift[2]}, 0, 0});
+      found.push_back({static_cast<int>(n), kind, other, piece.grain, tag, {shift[0], shift[1], shift[2]}, 0, 0, -1});
     };
     each_near(grains, known.size(), middles[n], [&](int i) {
       if (may_touch(piece, known[i].tag)) add(kGrain, known[i].tag, known[i].tag, vector(known[i].x), known[i].radius);
@@ -200,7 +203,10 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
       if (i > static_cast<int>(n) && carrier[i] >= 0 && may_touch(piece, pieces_[i]))
         add(kPiece, i, pieces_[i].grain, middles[i], pieces_[i].reach);
     });
-    for (int w = 0; w < walls.walls(); ++w) found.push_back({static_cast<int>(n), kWall, w, piece.grain, -1, {0, 0, 0}, 0, 0});
+    for (int w = 0; w < walls.walls(); ++w) {
+      const double* to = known[k].to_box;
+      found.push_back({static_cast<int>(n), kWall, w, piece.grain, -1, {to[0], to[1], to[2]}, 0, 0, -1});
+    }
   }
   std::sort(found.begin(), found.end(), [](const Group& a, const Group& b) {
     return std::array<int, 3>{a.piece, a.kind, a.other} < std::array<int, 3>{b.piece, b.kind, b.other};
@@ -254,7 +260,7 @@ void PieceContact::add_candidates(Group g, const WallFaces& walls, const Nearest
   g.begin = static_cast<int>(candidates_.size());
   std::vector<int> faces;
   if (g.kind == kWall) {
-    const Vector3 middle = a.x + a.R * vector(piece.middle);
+    const Vector3 middle = a.x + a.R * vector(piece.middle) + vector(g.shift);
     walls.faces_near(g.other, middle.data(), piece.reach + skin, faces);
     if (faces.empty()) return;
   }
@@ -277,8 +283,9 @@ void PieceContact::add_candidates(Group g, const WallFaces& walls, const Nearest
           near_.push_back(j);
       is_near = static_cast<int>(near_.size()) > c.near_begin;
     } else {
+      const Vector3 in_box = p + vector(g.shift);
       for (int f : faces)
-        if (walls.nearest(g.other, f, p.data()).distance < s.radius + skin) near_.push_back(f);
+        if (walls.nearest(g.other, f, in_box.data()).distance < s.radius + skin) near_.push_back(f);
       is_near = static_cast<int>(near_.size()) > c.near_begin;
     }
     if (!is_near) continue;
@@ -286,7 +293,13 @@ void PieceContact::add_candidates(Group g, const WallFaces& walls, const Nearest
     candidates_.push_back(c);
   }
   g.end = static_cast<int>(candidates_.size());
-  if (g.end > g.begin) groups_.push_back(g);
+  if (g.end == g.begin) return;
+  const bool within = g.kind == kPiece ? pieces_[g.other].row == piece.row : g.kind == kGrain && g.other == piece.other;
+  if (within) {
+    g.load = static_cast<int>(loads_of_bonds_.size());
+    loads_of_bonds_.push_back({piece.row, {}});
+  }
+  groups_.push_back(g);
 }
 
 // The overlap of surfaces that are new is taken from the radius of their points.
@@ -318,8 +331,10 @@ double PieceContact::overlap_of(const Group& g, const Candidate& c, const WallFa
   const SurfacePoint& s = pieces_[g.piece].points[c.point];
   const Vector3 p = a.x + a.R * vector(s.X);
   if (g.kind == kWall) {
+    const Vector3 in_box = p + vector(g.shift);
     double most = 0.0;
-    for (int f = c.near_begin; f < c.near_end; ++f) most = std::max(most, s.radius - walls.nearest(g.other, near_[f], p.data()).distance);
+    for (int f = c.near_begin; f < c.near_end; ++f)
+      most = std::max(most, s.radius - walls.nearest(g.other, near_[f], in_box.data()).distance);
     return most;
   }
   Touch t;
@@ -382,6 +397,16 @@ void PieceContact::add_force(const Group& g, Slip& s, const Touch& t, double dt,
     b->force -= f;
     b->torque -= arm_of_other.cross(f);
   }
+  if (g.load >= 0) {
+    double(*load)[6] = loads_of_bonds_[static_cast<std::size_t>(g.load)].load;
+    const Vector3 moment = arm.cross(f), of_other = -arm_of_other.cross(f);
+    for (int d = 0; d < 3; ++d) {
+      load[piece.side][d] += f[d];
+      load[piece.side][3 + d] += moment[d];
+      load[1 - piece.side][d] -= f[d];
+      load[1 - piece.side][3 + d] += of_other[d];
+    }
+  }
   stored_ += 0.5 * t.area * (p_.kn * t.gap * t.gap + p_.kt * e.squaredNorm());
   deepest_ = std::max(deepest_, -t.gap);
   ++touching_;
@@ -399,7 +424,7 @@ void PieceContact::add_force(const Group& g, Slip& s, const Touch& t, double dt,
 void PieceContact::touch_walls(const Group& g, const Candidate& c, WallFaces& walls, double dt) {
   Motion& a = motions_[g.body];
   const SurfacePoint& s = pieces_[g.piece].points[c.point];
-  const Vector3 p = a.x + a.R * vector(s.X);
+  const Vector3 shift = vector(g.shift), p = a.x + a.R * vector(s.X) + shift;
   struct Found {
     Touch touch;
     int face;
@@ -413,6 +438,7 @@ void PieceContact::touch_walls(const Group& g, const Candidate& c, WallFaces& wa
     here.face = near_[k];
     here.touch.set(at.distance - s.radius, s.area, (p - vector(at.foot)) / at.distance, p, s.radius);
     here.touch.of_wall = vector(at.velocity);
+    here.touch.at -= shift;
     // Faces that meet in a plane or at an edge that sticks out are touched once, where the overlap is the largest.
     int same = 0;
     while (same < count && found[same].touch.n.dot(here.touch.n) < kSameFace) ++same;
@@ -435,7 +461,7 @@ void PieceContact::touch_walls(const Group& g, const Candidate& c, WallFaces& wa
     const Vector3 force_before = a.force;
     add_force(g, slips[k], found[k].touch, dt, a, nullptr);
     const Vector3 on_wall = force_before - a.force;
-    walls.add_force(g.other, found[k].face, pieces_[g.piece].grain, on_wall.data(), found[k].touch.at.data());
+    walls.add_force(g.other, found[k].face, pieces_[g.piece].grain, on_wall.data(), Vector3(found[k].touch.at + shift).data());
   }
   for (const Slip& b : before)
     if (b.closed) dissipated_ += 0.5 * s.area * p_.kt * vector(b.e).squaredNorm();
@@ -445,6 +471,7 @@ bool PieceContact::find_forces(MPI_Comm comm, std::vector<ContactBody>& bodies, 
   stored_ = deepest_ = 0.0;
   touching_ = 0;
   contacts_.clear();
+  for (LoadOfBond& l : loads_of_bonds_) l = {l.row, {}};
   double fastest = 0.0;
   for (std::size_t n = 0; n < bodies.size(); ++n)
     fastest = std::max(fastest, vector(bodies[n].v).norm() + reach_of_body_[n] * vector(bodies[n].omega).norm());

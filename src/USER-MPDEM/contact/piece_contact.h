@@ -43,6 +43,7 @@ struct ContactBody {
   int tag = 0;
   double radius = 0.0;
   double x[3] = {0, 0, 0}, v[3] = {0, 0, 0}, omega[3] = {0, 0, 0}, q[4] = {1, 0, 0, 0};
+  double to_box[3] = {0, 0, 0};                        // from x to the position in the box, where walls are
   double force[3] = {0, 0, 0}, torque[3] = {0, 0, 0};  // result
 };
 
@@ -59,7 +60,7 @@ class WallFaces {
   // Numbers of the faces of a wall that may be nearer to x than `far`. Ascending.
   virtual void faces_near(int wall, const double* x, double far, std::vector<int>& faces) const = 0;
   virtual Nearest nearest(int wall, int face, const double* x) const = 0;
-  // A force on the wall by the cement of a grain.
+  // A force on the wall by the cement of a grain, at a position in the box.
   virtual void add_force(int wall, int face, int grain, const double* force, const double* at) = 0;
   virtual double largest_speed() const = 0;
 };
@@ -101,6 +102,12 @@ class PieceContact {
   };
   const std::vector<Contact>& contacts() const { return contacts_; }
   void keep_contacts(bool yes) { keeps_contacts_ = yes; }
+  // Forces and moments of contact within bonds that are apart, on both of their grains about their centres, of this rank.
+  struct LoadOfBond {
+    int row;
+    double load[2][6];
+  };
+  const std::vector<LoadOfBond>& loads_of_bonds() const { return loads_of_bonds_; }
 
   // Collective. State for a restart file, complete on all ranks. Restore it on all ranks, before search(). first_rank:
   // is this the rank that counts the sums of all?
@@ -160,8 +167,9 @@ class PieceContact {
   struct Group {
     int piece, kind, other;  // other: tag of the grain, index of the piece, or number of the wall
     int body, other_body;    // indices in motions_; other_body is -1 for a wall
-    double shift[3];         // added to the position of the other body
+    double shift[3];         // added to the position of the other body; for a wall, to that of the piece
     int begin, end;          // candidates
+    int load;                // index in loads_of_bonds_ of a contact within a bond, else -1
   };
   struct Motion {
     Vector3 x, v, omega, force, torque;
@@ -198,6 +206,7 @@ class PieceContact {
   double travel_ = 0.0, stored_ = 0.0, dissipated_ = 0.0, deepest_ = 0.0;
   int touching_ = 0;
   std::vector<Contact> contacts_;
+  std::vector<LoadOfBond> loads_of_bonds_;
 };
 
 }  // namespace mpdem

@@ -28,6 +28,7 @@ struct CementTotals {
   EnergyBalance::Left left;                      // cement that left the scene
   double kinetic_share;                          // see Report::EnergyShares
   double unbalanced_force;                       // see Report::unbalanced_force(); 0 until the host asks for it
+  double contact, contact_friction;              // energies of contact/piece_contact.h: stored, and dissipated
 };
 
 // The share of a bond on one rank.
@@ -43,6 +44,7 @@ int summed_columns();
 // State of one bond, over all ranks.
 struct BondState {
   double force[2][3] = {}, torque[2][3] = {}, gap = 0.0, tension = 0.0;
+  double contact[2][3] = {};  // the share of the force by contact between rigid pieces of the bond
   double peak = 0.0;  // largest tension of all steps so far
   double failed = 0.0, largest_damage = 0.0, mean_damage = 0.0;
   double separated = 0.0, share[2] = {0.0, 0.0};  // 1 once separated; shares of the fracture surface at each grain

@@ -129,7 +129,8 @@ class Cement {
 
   // Contact of the cement with other bodies, see contact/piece_contact.h. is_apart(): the bond is separated and moves as
   // rigid pieces. pieces_made(): grows when a bond becomes apart. surfaces(): of these bonds, the same on all ranks;
-  // collective.
+  // collective. The host calls contact() with the motion of all its grains, and adds the forces to its own.
+  PieceContact& contact() { return contact_; }
   bool has_contact() const;
   ContactOfPieces contact_parameters() const;
   bool is_apart(int row) const { return condensed_.is_in_pieces(row); }
@@ -188,7 +189,8 @@ class Cement {
   NodalForces forces_{scene_, shared_, added_, condensed_, discontinuities_.cracks};
   std::unique_ptr<Kinematics> kinematics_;
   Substeps substeps_{scene_};
-  Report report_{scene_, discontinuities_.cracks, condensed_};
+  PieceContact contact_;
+  Report report_{scene_, discontinuities_.cracks, condensed_, contact_};
   bool restored_ = false;  // from a restart file
   Stage stage_ = Stage::none;
 };

@@ -64,6 +64,8 @@ const std::vector<CementValue>& cement_values() {
       {"energy_left", "energy that left", [](const CementTotals& t) { return t.left.energy; }},
       {"kinetic_share", "kinetic share of the energy ([quasi-static loads](#quasi-static-loads))", field<&CementTotals::kinetic_share>},
       {"unbalanced_force", "unbalanced force over the mean force of bonds and contacts", field<&CementTotals::unbalanced_force>, true},
+      {"contact_energy", "energy stored in contacts of rigid pieces, and of cement with other bodies", field<&CementTotals::contact>},
+      {"contact_friction", "energy that friction of these contacts took", field<&CementTotals::contact_friction>},
   };
   return all;
 }

@@ -132,6 +132,8 @@ enum TotalIndex {
   kSumFrictional,
   kSumWork,
   kSumGrains,
+  kSumContact,
+  kSumContactFriction,
   kSumLeft,
   kNumberOfSums = kSumLeft + kMostNumbers<EnergyBalance::Left>
 };
@@ -181,6 +183,8 @@ CementTotals Report::totals(double reach_of_box) const {
                                balance.frictional - balance.frictional_ahead, balance.work - balance.work_ahead};
   std::copy(std::begin(of_balance), std::end(of_balance), &sum[kSumDissipated]);
   for (const Grain& g : scene_.grains.grains) sum[kSumGrains] += scene_.options.mass_scale * kinetic_energy(g);
+  sum[kSumContact] = contact_.stored();
+  sum[kSumContactFriction] = contact_.dissipated();
   pack(balance.left, &sum[kSumLeft]);
   for (int k : {kSumKinetic, kSumDiscreteKinetic}) sum[k] -= balance.inertial_work - balance.inertial_work_ahead;
   global_sum(sum, scene_.comm);
@@ -204,6 +208,8 @@ void Report::set_totals(const std::vector<double>& sum, double reach_of_box, Cem
   t.frictional = sum[kSumFrictional];
   t.external_work = sum[kSumWork];
   unpack(&sum[kSumLeft], t.left);
+  t.contact = sum[kSumContact];
+  t.contact_friction = sum[kSumContactFriction];
   const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.frictional + t.left.energy;
   const double scale = std::max(std::fabs(t.external_work), spent);
   // Central differences conserve m/2 v-.v+, with the velocities half a step before and after, instead of m/2 v.v.
@@ -251,7 +257,7 @@ double Report::unbalanced_force(const std::vector<BondState>& loads, const Magni
       const auto at = table[i].has_grain(s) ? cement_load.find(table[i].grain[s]) : cement_load.end();
       if (at == cement_load.end()) continue;
       for (int d = 0; d < 3; ++d) {
-        const double on_grain = b.separated == 0.0 ? 0.5 * (b.force[0][d] + b.force[1][d]) : b.force[s][d];
+        const double on_grain = b.separated == 0.0 ? 0.5 * (b.force[0][d] + b.force[1][d]) : b.force[s][d] - b.contact[s][d];
         at->second[d] += 0.5 * scene_.density() * table[i].volume * scene_.now.gravity[d] - on_grain;
       }
     }
@@ -281,7 +287,7 @@ const std::vector<BondState>& Report::bond_loads() {
   for (std::size_t i = 0; i < n; ++i) states_[i].peak = peak[i];
   if (!scene_.laid_out) return states_;
   const double of_other_substeps = 1.0 - 1.0 / scene_.now.substeps;
-  constexpr std::size_t kSide = 9, width = 2 * kSide;  // see write_end()
+  constexpr std::size_t kSide = 12, width = 2 * kSide;  // see write_end(), then the force of contact
   std::vector<double> sum(width * n, 0.0);
   for (const BondedGrains::OwnedEnd& o : scene_.grains.owned()) {
     if (!scene_.penalty) break;
@@ -292,6 +298,13 @@ const std::vector<BondState>& Report::bond_loads() {
     const std::array<BondEnd, 2> ends = condensed_.loaded_ends(bond_row, scene_.bonds(), scene_.weight().data());
     for (int s = 0; s < 2; ++s) write_end(ends[s], of_other_substeps, &sum[width * bond_row + kSide * s]);
   }
+  for (const PieceContact::LoadOfBond& c : contact_.loads_of_bonds())
+    for (int s = 0; s < 2; ++s)
+      for (int d = 0; d < 6; ++d) {
+        double* row = &sum[width * static_cast<std::size_t>(c.row) + kSide * static_cast<std::size_t>(s)];
+        row[d] += c.load[s][d];
+        if (d < 3) row[9 + d] += c.load[s][d];
+      }
   global_sum(sum, scene_.comm);
   for (std::size_t i = 0; i < n; ++i) {
     const double* row = &sum[width * i];
@@ -308,6 +321,7 @@ const std::vector<BondState>& Report::bond_loads() {
       for (int d = 0; d < 3; ++d) {
         b.force[s][d] = row[kSide * s + d];
         b.torque[s][d] = row[kSide * s + 3 + d];
+        b.contact[s][d] = row[kSide * s + 9 + d];
         b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
       }
     b.gap = both ? length - record.radius[0] - record.radius[1] : 0.0;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bond_table.h"
+#include "../../contact/piece_contact.h"
 #include "../condensed/condensed_bonds.h"
 #include "../failure/cracks.h"
 #include "../bond/scene.h"
@@ -17,8 +18,8 @@ namespace mpdem {
 
 class Report {
  public:
-  Report(const Scene& scene, const Cracks& cracks, const CondensedBonds& condensed)
-      : scene_(scene), cracks_(cracks), condensed_(condensed) {}
+  Report(const Scene& scene, const Cracks& cracks, const CondensedBonds& condensed, const PieceContact& contact)
+      : scene_(scene), cracks_(cracks), condensed_(condensed), contact_(contact) {}
 
   // Collective. Totals over all bonds. reach_of_box: largest coordinate, which sets the rounding error of positions.
   CementTotals totals(double reach_of_box) const;
@@ -74,6 +75,7 @@ class Report {
   const Scene& scene_;
   const Cracks& cracks_;
   const CondensedBonds& condensed_;
+  const PieceContact& contact_;
   std::vector<BondState> states_;
   std::vector<double> peaks_;  // largest tension by row, in the steps in which this rank had the first grain
 };

@@ -134,6 +134,8 @@ std::vector<double> Cement::packed_state(CementHead head) {
     append(row, all);
   }
   all.insert(all.end(), copies.begin(), copies.end());
+  const std::vector<double> of_contact = contact_.packed(scene_.comm);
+  all.insert(all.end(), of_contact.begin(), of_contact.end());
   return all;
 }
 
@@ -186,6 +188,7 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
     in.check_whole("the bond of a split node", row.row, from(0, static_cast<double>(table) - 1.0));
     copies[{field_of(row.row, 0), row.index}].push_back({row.layer, row.copy, row.first, row.volume});
   }
+  contact_.restore(in, me == 0);
   if (!in.trouble().empty()) return;
   discontinuities_.splits->restore(head.rows_started, std::move(copies));
   restored_nodes_.keep(std::move(rows), head.nodes);

@@ -14,17 +14,17 @@ using namespace LAMMPS_NS;
 void CementContacts::start_run(AtomVecMpdem& avec, Cement& cement) {
   active_ = cement.has_contact();
   if (!active_) return;
-  contact_.set(cement.contact_parameters());
+  cement.contact().set(cement.contact_parameters());
   walls_.find();
   take_surfaces(cement);
-  search(avec);
-  add_forces(avec, 0.0);
+  search(avec, cement);
+  add_forces(avec, cement, 0.0);
 }
 
 void CementContacts::take_changes(AtomVecMpdem& avec, Cement& cement) {
   if (!active_ || cement.pieces_made() == pieces_made_) return;
   take_surfaces(cement);
-  search(avec);
+  search(avec, cement);
 }
 
 // Collective. Replaces the surfaces of bonds that are new or came apart since the last call.
@@ -33,7 +33,8 @@ void CementContacts::take_surfaces(Cement& cement) {
   const std::size_t bonds = cement.bonds().table.size();
   if (taken_.size() < bonds) {
     taken_.resize(bonds, 0);
-    for (const CementPiece& p : contact_.pieces()) taken_[p.row] = static_cast<signed char>(p.apart ? 2 : 1);  // from a restart file
+    for (const CementPiece& p : cement.contact().pieces())
+      taken_[p.row] = static_cast<signed char>(p.apart ? 2 : 1);  // from a restart file
   }
   std::vector<int> rows;
   for (std::size_t row = 0; row < bonds; ++row) {
@@ -43,7 +44,7 @@ void CementContacts::take_surfaces(Cement& cement) {
   }
   if (rows.empty()) return;
   std::vector<std::vector<CementPiece>> surfaces = cement.surfaces(rows);
-  for (std::size_t n = 0; n < rows.size(); ++n) contact_.replace(rows[n], std::move(surfaces[n]));
+  for (std::size_t n = 0; n < rows.size(); ++n) cement.contact().replace(rows[n], std::move(surfaces[n]));
 }
 
 void CementContacts::read_grains(AtomVecMpdem& avec) {
@@ -58,7 +59,7 @@ void CementContacts::read_grains(AtomVecMpdem& avec) {
   }
 }
 
-void CementContacts::search(AtomVecMpdem& avec) {
+void CementContacts::search(AtomVecMpdem& avec, Cement& cement) {
   Atom& atom = *lmp_->atom;
   atoms_.clear();
   bodies_.clear();
@@ -68,6 +69,9 @@ void CementContacts::search(AtomVecMpdem& avec) {
     bodies_.emplace_back();
     bodies_.back().tag = atom.tag[i];
     bodies_.back().radius = atom.radius[i];
+    double unwrapped[3];
+    lmp_->domain->unmap(atom.x[i], atom.image[i], unwrapped);
+    for (int d = 0; d < 3; ++d) bodies_.back().to_box[d] = atom.x[i][d] - unwrapped[d];
   }
   read_grains(avec);
   const Domain& domain = *lmp_->domain;
@@ -79,15 +83,15 @@ void CementContacts::search(AtomVecMpdem& avec) {
       for (int k = 0; k < 3; ++k)
         if (periodic[k]) d[k] -= box.prd[k] * std::nearbyint(d[k] / box.prd[k]);
     };
-  contact_.search(lmp_->world, bodies_, walls_, nearest);
+  cement.contact().search(lmp_->world, bodies_, walls_, nearest);
   search_is_due_ = false;
 }
 
-void CementContacts::add_forces(AtomVecMpdem& avec, double dt) {
+void CementContacts::add_forces(AtomVecMpdem& avec, Cement& cement, double dt) {
   if (!active_) return;
-  if (search_is_due_) search(avec);
+  if (search_is_due_) search(avec, cement);
   else read_grains(avec);
-  search_is_due_ = contact_.find_forces(lmp_->world, bodies_, walls_, dt);
+  search_is_due_ = cement.contact().find_forces(lmp_->world, bodies_, walls_, dt);
   Atom& atom = *lmp_->atom;
   for (std::size_t n = 0; n < atoms_.size(); ++n)
     for (int d = 0; d < 3; ++d) {

@@ -22,24 +22,19 @@ class CementContacts {
   // Collective. Call it at the start of a run, before loads are read. The scene has contact if its coupling has friction.
   void start_run(LAMMPS_NS::AtomVecMpdem& avec, Cement& cement);
   // Collective. Adds the forces of a step to the grains.
-  void add_forces(LAMMPS_NS::AtomVecMpdem& avec, double dt);
+  void add_forces(LAMMPS_NS::AtomVecMpdem& avec, Cement& cement, double dt);
   // Collective. Call it at the end of a step, before grains move: takes the surfaces of bonds that changed.
   void take_changes(LAMMPS_NS::AtomVecMpdem& avec, Cement& cement);
   // Call it when atoms moved to other ranks or have other indices.
   void atoms_moved() { search_is_due_ = true; }
 
-  bool active() const { return active_; }
-  const PieceContact& contact() const { return contact_; }
-  PieceContact& contact() { return contact_; }
-
  private:
   void take_surfaces(Cement& cement);
   void read_grains(LAMMPS_NS::AtomVecMpdem& avec);
-  void search(LAMMPS_NS::AtomVecMpdem& avec);
+  void search(LAMMPS_NS::AtomVecMpdem& avec, Cement& cement);
 
   LAMMPS_NS::LAMMPS* lmp_;
   LiggghtsWalls walls_;
-  PieceContact contact_;
   std::vector<int> atoms_;           // of the grains of this rank
   std::vector<ContactBody> bodies_;  // in the same order
   std::vector<signed char> taken_;   // of each bond: surface of 0: none, 1: the whole bond, 2: pieces apart

@@ -8,7 +8,6 @@
 #include "../../numerics/length.h"
 #include "../../numerics/triangle.h"
 #include "atom.h"
-#include "domain.h"
 #include "fix_mesh_surface.h"
 #include "fix_wall_gran.h"
 #include "modify.h"
@@ -95,15 +94,13 @@ void LiggghtsWalls::add_force(int wall, int face, int grain, const double* force
   const Atom& atom = *lmp_->atom;
   const int i = lmp_->atom->map(grain);
   if (!w.mesh || i < 0 || !w.mesh->trackStress()) return;
-  double on_grain[3], delta[3], at_rest[3] = {0, 0, 0}, x[3];
-  lmp_->domain->unmap(atom.x[i], atom.image[i], x);
+  double on_grain[3], delta[3];
   for (int d = 0; d < 3; ++d) {
     on_grain[d] = -force[d];
-    delta[d] = at[d] - x[d];
+    delta[d] = at[d] - atom.x[i][d];
   }
-  const Nearest n = nearest(wall, face, at);
-  std::copy(n.velocity, n.velocity + 3, at_rest);
-  w.mesh->add_particle_contribution(i, on_grain, delta, face, at_rest);
+  Nearest n = nearest(wall, face, at);
+  w.mesh->add_particle_contribution(i, on_grain, delta, face, n.velocity);
 }
 
 double LiggghtsWalls::largest_speed() const {

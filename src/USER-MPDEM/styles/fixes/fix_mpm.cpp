@@ -320,7 +320,7 @@ void FixMpm::pre_neighbor() {
 void FixMpm::post_force(int) {
   report_->forget();  // values requested earlier in this step are those of the last step
   atoms_.follow(cement_->grains(), cell(), step_input().dt);
-  contacts_.add_forces(*avec_, update->dt);
+  contacts_.add_forces(*avec_, *cement_, update->dt);
   atoms_.read(cement_->grains());
   guarded([this] { cement_->step(); });
   if (!cement_->rows_that_want_points().empty()) next_reneighbor = update->ntimestep + 1;

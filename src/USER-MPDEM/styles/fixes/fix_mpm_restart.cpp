@@ -30,9 +30,7 @@ void FixMpm::write_restart(FILE* fp) {
   head.time = update->get_cur_time();
   step_->save(head);
   head.links = coupling_.so_far();
-  std::vector<double> all = cement_->packed_state(head);
-  const std::vector<double> of_contacts = contacts_.contact().packed(world);
-  all.insert(all.end(), of_contacts.begin(), of_contacts.end());
+  const std::vector<double> all = cement_->packed_state(head);
   avec_->write_with_points(cement_->packed_nodes());
   if (comm->me != 0) return;
   const std::size_t bytes = all.size() * sizeof(double);
@@ -72,7 +70,6 @@ void FixMpm::restart(char* buf) {
   std::vector<double> nodes;
   nodes.swap(avec_->restored_rows);
   guarded([&] { cement_->restore(head, in, nodes); });
-  contacts_.contact().restore(in, comm->me == 0);
   mpdem::stop_if_any(lmp, damaged(in.trouble()));  // only the nodes differ between ranks
   const std::string others = cement_->changed_options_since(head);
   if (!others.empty())
