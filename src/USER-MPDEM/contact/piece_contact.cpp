@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 #include "../material/coulomb.h"
@@ -149,7 +150,7 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
   near_.clear();
   slips_.clear();
   loads_of_bonds_.clear();
-  travel_ = 0.0;
+  travel_ = path_of_walls_ = 0.0;
   const int me = rank_in(comm);
   std::vector<KnownBody> known;
   for (const ContactBody& b : bodies)
@@ -230,11 +231,8 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
       reach[m] = std::max(reach[m], vector(pieces_[n].middle).norm() + pieces_[n].reach);
   }
   motion_of_body_.clear();
-  reach_of_body_.clear();
-  for (const ContactBody& b : bodies) {
-    motion_of_body_.push_back(motion_of(b.tag));
-    reach_of_body_.push_back(reach[static_cast<std::size_t>(motion_of_body_.back())]);
-  }
+  for (const ContactBody& b : bodies) motion_of_body_.push_back(motion_of(b.tag));
+  for (std::size_t m = 0; m < motions_.size(); ++m) motions_[m].reach = reach[m];
   take_motions(bodies);
   for (Group& g : found) {
     g.body = motion_of(g.body);
@@ -267,7 +265,7 @@ void PieceContact::add_candidates(Group g, const WallFaces& walls, const Nearest
   for (int i = 0; i < piece.size; ++i) {
     const SurfacePoint& s = piece.points[i];
     const Vector3 p = a.x + a.R * vector(s.X), m = a.R * vector(s.normal);
-    Candidate c{i, static_cast<int>(near_.size()), 0, 0};
+    Candidate c{i, static_cast<int>(near_.size()), 0, 0, 0.0};
     bool is_near = false;
     if (g.kind == kGrain) {
       const Motion& b = motions_[g.other_body];
@@ -338,41 +336,63 @@ double PieceContact::overlap_of(const Group& g, const Candidate& c, const WallFa
     return most;
   }
   Touch t;
-  find_surface(g, c, p, a.R * vector(s.normal), t);
+  if (g.kind == kGrain) find_sphere(g, s, p, t);
+  else find_surface(g, c, p, a.R * vector(s.normal), t);
   return t.found ? -t.gap : 0.0;
 }
 
-// p: position of the point, m: its normal.
-void PieceContact::find_surface(const Group& g, const Candidate& c, const Vector3& p, const Vector3& m, Touch& t) const {
-  const SurfacePoint& s = pieces_[g.piece].points[c.point];
+// p: position of the point.
+double PieceContact::find_sphere(const Group& g, const SurfacePoint& s, const Vector3& p, Touch& t) const {
   const Motion& b = motions_[g.other_body];
   const Vector3 from = p - b.x - vector(g.shift);
-  if (g.kind == kGrain) {
-    const double square = from.squaredNorm(), touch = b.radius + s.radius;
-    if (square >= touch * touch) return;
-    const double size = std::sqrt(square);
-    t.set(size - touch, s.area, from / size, p, s.radius);
-    return;
-  }
+  const double size = from.norm(), gap = size - b.radius - s.radius;
+  if (gap >= 0.0) return gap;
+  t.set(gap, s.area, from / size, p, s.radius);
+  return 0.0;
+}
+
+// m: normal of the point.
+double PieceContact::find_surface(const Group& g, const Candidate& c, const Vector3& p, const Vector3& m, Touch& t) const {
+  const SurfacePoint& s = pieces_[g.piece].points[c.point];
+  const Motion& b = motions_[g.other_body];
   const CementPiece& other = pieces_[g.other];
-  const Vector3 y = b.R.transpose() * from, my = b.R.transpose() * m;
-  const double inverse = 1.0 / ((kSupport * other.spacing) * (kSupport * other.spacing));
-  double weight = 0.0, height = 0.0;
+  const Vector3 y = b.R.transpose() * (p - b.x - vector(g.shift)), my = b.R.transpose() * m;
+  const double support = kSupport * other.spacing, inverse = 1.0 / (support * support);
+  double weight = 0.0, height = 0.0, far = std::numeric_limits<double>::infinity();
   Vector3 n = Vector3::Zero();
   for (int k = c.near_begin; k < c.near_end; ++k) {
     const SurfacePoint& q = other.points[near_[k]];
     const Vector3 nq = vector(q.normal), d = y - vector(q.X);
-    const double facing = -my.dot(nq), h = d.dot(nq), left = 1.0 - (d.squaredNorm() - h * h) * inverse;
+    const double square = d.squaredNorm(), facing = -my.dot(nq), h = d.dot(nq), left = 1.0 - (square - h * h) * inverse;
+    far = std::min(far, square - (s.radius + q.radius) * std::fabs(s.radius + q.radius));
     if (facing <= 0.0 || left <= 0.0 || std::fabs(h) > 2.0 * other.spacing) continue;
     const double w = left * left * facing;
     weight += w;
     height += w * (h - q.radius);
     n += w * nq;
   }
-  if (weight <= 0.0) return;
+  // Where the surfaces touch, a point is nearer than this by the support and by both radii.
+  if (weight <= 0.0) return far > support * support ? std::sqrt(far) - support : 0.0;
   const double gap = height / weight - s.radius, size = n.norm();
-  if (gap >= 0.0 || size <= 0.0) return;
+  if (gap >= 0.0 || size <= 0.0) return far > support * support ? std::sqrt(far) - support : 0.0;
   t.set(gap, s.area * std::min(1.0, weight / kFullWeight), b.R * (n / size), p, s.radius);
+  return 0.0;
+}
+
+double PieceContact::touch(const Group& g, const Candidate& c, double dt) {
+  Motion& a = motions_[g.body];
+  const SurfacePoint& point = pieces_[g.piece].points[c.point];
+  const Vector3 p = a.x + a.R * vector(point.X);
+  Touch t;
+  const double clear = g.kind == kGrain ? find_sphere(g, point, p, t) : find_surface(g, c, p, a.R * vector(point.normal), t);
+  Slip& s = slips_[c.slip];
+  if (t.found) {
+    add_force(g, s, t, dt, a, &motions_[g.other_body]);
+  } else if (s.closed) {
+    dissipated_ += 0.5 * point.area * p_.kt * vector(s.e).squaredNorm();
+    s = Slip();
+  }
+  return clear;
 }
 
 void PieceContact::add_force(const Group& g, Slip& s, const Touch& t, double dt, Motion& a, Motion* b) {
@@ -421,7 +441,7 @@ void PieceContact::add_force(const Group& g, Slip& s, const Touch& t, double dt,
   contacts_.push_back(c);
 }
 
-void PieceContact::touch_walls(const Group& g, const Candidate& c, WallFaces& walls, double dt) {
+double PieceContact::touch_walls(const Group& g, const Candidate& c, WallFaces& walls, double dt) {
   Motion& a = motions_[g.body];
   const SurfacePoint& s = pieces_[g.piece].points[c.point];
   const Vector3 shift = vector(g.shift), p = a.x + a.R * vector(s.X) + shift;
@@ -431,8 +451,10 @@ void PieceContact::touch_walls(const Group& g, const Candidate& c, WallFaces& wa
   };
   std::array<Found, kMostNormals> found;  // the deepest first
   int count = 0;
+  double clear = std::numeric_limits<double>::infinity();
   for (int k = c.near_begin; k < c.near_end; ++k) {
     const WallFaces::Nearest at = walls.nearest(g.other, near_[k], p.data());
+    clear = std::min(clear, std::max(at.distance - s.radius, 0.0));
     if (!(at.distance < s.radius) || at.distance <= 0.0) continue;
     Found here;
     here.face = near_[k];
@@ -465,6 +487,7 @@ void PieceContact::touch_walls(const Group& g, const Candidate& c, WallFaces& wa
   }
   for (const Slip& b : before)
     if (b.closed) dissipated_ += 0.5 * s.area * p_.kt * vector(b.e).squaredNorm();
+  return clear;
 }
 
 bool PieceContact::find_forces(MPI_Comm comm, std::vector<ContactBody>& bodies, WallFaces& walls, double dt) {
@@ -472,31 +495,26 @@ bool PieceContact::find_forces(MPI_Comm comm, std::vector<ContactBody>& bodies, 
   touching_ = 0;
   contacts_.clear();
   for (LoadOfBond& l : loads_of_bonds_) l = {l.row, {}};
-  double fastest = 0.0;
+  constexpr double kMargin = 1.5;  // bodies may have been faster within the step
+  const auto path = [&](const double* v, const double* omega, double reach) {
+    return kMargin * dt * (vector(v).norm() + reach * vector(omega).norm());
+  };
+  double longest = kMargin * dt * walls.largest_speed();
+  path_of_walls_ += longest;
   for (std::size_t n = 0; n < bodies.size(); ++n)
-    fastest = std::max(fastest, vector(bodies[n].v).norm() + reach_of_body_[n] * vector(bodies[n].omega).norm());
-  travel_ += dt * std::max(fastest, walls.largest_speed());
+    longest = std::max(longest, path(bodies[n].v, bodies[n].omega, motions_[static_cast<std::size_t>(motion_of_body_[n])].reach));
+  travel_ += longest;
   if (any_) {
     take_motions(bodies);
-    for (const Group& g : groups_) {
-      Motion& a = motions_[g.body];
-      const CementPiece& piece = pieces_[g.piece];
+    for (Motion& m : motions_) m.path += path(m.v.data(), m.omega.data(), m.reach);
+    for (Group& g : groups_) {
+      const double since = motions_[g.body].path + (g.kind == kWall ? path_of_walls_ : motions_[g.other_body].path);
+      if (dt > 0.0 && since < g.quiet_until) continue;
+      g.quiet_until = std::numeric_limits<double>::infinity();
       for (int i = g.begin; i < g.end; ++i) {
-        const Candidate& c = candidates_[i];
-        if (g.kind == kWall) {
-          touch_walls(g, c, walls, dt);
-          continue;
-        }
-        const SurfacePoint& point = piece.points[c.point];
-        Touch t;
-        find_surface(g, c, a.x + a.R * vector(point.X), a.R * vector(point.normal), t);
-        Slip& s = slips_[c.slip];
-        if (t.found) {
-          add_force(g, s, t, dt, a, &motions_[g.other_body]);
-        } else if (s.closed) {
-          dissipated_ += 0.5 * point.area * p_.kt * vector(s.e).squaredNorm();
-          s = Slip();
-        }
+        Candidate& c = candidates_[i];
+        if (dt == 0.0 || since >= c.quiet_until) c.quiet_until = since + (g.kind == kWall ? touch_walls(g, c, walls, dt) : touch(g, c, dt));
+        g.quiet_until = std::min(g.quiet_until, c.quiet_until);
       }
     }
     buffer_.resize(6 * motions_.size());
@@ -515,7 +533,7 @@ bool PieceContact::find_forces(MPI_Comm comm, std::vector<ContactBody>& bodies, 
   double farthest = travel_;
   if (ranks_of(comm) > 1) MPI_Allreduce(&travel_, &farthest, 1, MPI_DOUBLE, MPI_MAX, comm);
   travel_ = farthest;
-  constexpr double kShare = 0.4;  // of the skin; two bodies that approach each other travel twice that, and one step more
+  constexpr double kShare = 0.45;  // of the skin; two bodies that approach each other travel twice that, and one step more
   return travel_ > kShare * p_.skin;
 }
 

@@ -19,7 +19,8 @@
 // A surface that is made in contact has no force at first: the radii of its points are reduced by the overlap.
 //
 // Pieces are the same on all ranks. The rank that owns the grain of a piece finds its contacts. Candidates are searched
-// again when bodies may have moved half of the skin. Forces do not depend on when that is.
+// again when bodies may have moved half of the skin. A candidate with a gap is not looked at before both bodies may have
+// moved that far. Forces do not depend on when either is.
 #ifndef MPDEM_CONTACT_PIECE_CONTACT_H
 #define MPDEM_CONTACT_PIECE_CONTACT_H
 
@@ -162,6 +163,7 @@ class PieceContact {
     int point;
     int near_begin, near_end;  // in near_: points of the other piece, or faces of the wall
     int slip;                  // first of its slips
+    double quiet_until;        // path of both bodies since the search at which it may touch
   };
   // Candidates of one piece and one other body.
   struct Group {
@@ -170,11 +172,13 @@ class PieceContact {
     double shift[3];         // added to the position of the other body; for a wall, to that of the piece
     int begin, end;          // candidates
     int load;                // index in loads_of_bonds_ of a contact within a bond, else -1
+    double quiet_until = 0;  // the least of its candidates
   };
   struct Motion {
     Vector3 x, v, omega, force, torque;
     Eigen::Matrix3d R;
     double radius;
+    double reach = 0.0, path = 0.0;  // of its pieces from its centre; longest path of one of their points since the search
   };
   struct Touch;
   Id id_of(const Group& g, const Candidate& c) const;
@@ -183,11 +187,14 @@ class PieceContact {
   bool may_touch(const CementPiece& a, const CementPiece& b) const;
   bool may_touch(const CementPiece& a, int tag) const { return tag != a.grain && (tag != a.other || a.apart); }
   void add_candidates(Group g, const WallFaces& walls, const NearestImage& nearest, double far);
-  void find_surface(const Group& g, const Candidate& c, const Vector3& p, const Vector3& m, Touch& t) const;
+  // Return a distance by which the bodies have to move before they touch; 0 if they do.
+  double find_sphere(const Group& g, const SurfacePoint& s, const Vector3& p, Touch& t) const;
+  double find_surface(const Group& g, const Candidate& c, const Vector3& p, const Vector3& m, Touch& t) const;
+  double touch(const Group& g, const Candidate& c, double dt);
   double overlap_of(const Group& g, const Candidate& c, const WallFaces& walls) const;
   void clear_overlaps(MPI_Comm comm, const WallFaces& walls);
   void add_force(const Group& g, Slip& s, const Touch& t, double dt, Motion& a, Motion* b);
-  void touch_walls(const Group& g, const Candidate& c, WallFaces& walls, double dt);
+  double touch_walls(const Group& g, const Candidate& c, WallFaces& walls, double dt);
 
   ContactOfPieces p_;
   std::vector<CementPiece> pieces_;
@@ -199,11 +206,10 @@ class PieceContact {
   std::vector<int> tags_;  // of motions_, ascending
   std::vector<Motion> motions_;
   std::vector<int> motion_of_body_;  // index in motions_ of each body of this rank
-  std::vector<double> reach_of_body_;
   std::vector<double> buffer_;
   HaloSum halo_;
   bool any_ = false, keeps_contacts_ = false;  // any_: some rank has candidates
-  double travel_ = 0.0, stored_ = 0.0, dissipated_ = 0.0, deepest_ = 0.0;
+  double travel_ = 0.0, path_of_walls_ = 0.0, stored_ = 0.0, dissipated_ = 0.0, deepest_ = 0.0;
   int touching_ = 0;
   std::vector<Contact> contacts_;
   std::vector<LoadOfBond> loads_of_bonds_;

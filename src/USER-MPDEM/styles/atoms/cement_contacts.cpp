@@ -15,7 +15,6 @@ void CementContacts::start_run(AtomVecMpdem& avec, Cement& cement) {
   active_ = cement.has_contact();
   if (!active_) return;
   cement.contact().set(cement.contact_parameters());
-  walls_.find();
   take_surfaces(cement);
   search(avec, cement);
   add_forces(avec, cement, 0.0);
@@ -60,6 +59,7 @@ void CementContacts::read_grains(AtomVecMpdem& avec) {
 }
 
 void CementContacts::search(AtomVecMpdem& avec, Cement& cement) {
+  walls_.find();
   Atom& atom = *lmp_->atom;
   atoms_.clear();
   bodies_.clear();

@@ -18,22 +18,18 @@ namespace mpdem {
 
 using namespace LAMMPS_NS;
 
-namespace {
-
-MultiVectorContainer<double, 3, 3>* velocities(TriMesh& mesh) {
-  return mesh.prop().getElementProperty<MultiVectorContainer<double, 3, 3>>("v");
-}
-
-}  // namespace
-
 void LiggghtsWalls::find() {
   walls_.clear();
   const Modify& modify = *lmp_->modify;
   for (int n = 0; n < modify.nfix; ++n) {
     FixWallGran* wall = dynamic_cast<FixWallGran*>(modify.fix[n]);
     if (!wall) continue;
-    if (!wall->is_mesh_wall()) walls_.push_back({nullptr, wall->primitiveWall()});
-    for (int m = 0; wall->is_mesh_wall() && m < wall->n_meshes(); ++m) walls_.push_back({wall->mesh_list()[m], nullptr});
+    if (!wall->is_mesh_wall()) walls_.push_back({nullptr, wall->primitiveWall(), nullptr});
+    for (int m = 0; wall->is_mesh_wall() && m < wall->n_meshes(); ++m) {
+      FixMeshSurface* mesh = wall->mesh_list()[m];
+      auto* velocity = mesh->triMesh()->prop().getElementProperty<MultiVectorContainer<double, 3, 3>>("v");
+      walls_.push_back({mesh, nullptr, velocity ? velocity->begin() : nullptr});
+    }
   }
 }
 
@@ -41,8 +37,7 @@ LiggghtsWalls::Triangle LiggghtsWalls::triangle(const Wall& w, int face) const {
   TriMesh& mesh = *w.mesh->triMesh();
   Triangle t;
   for (int k = 0; k < 3; ++k) mesh.node(face, k, t.corner[k]);
-  MultiVectorContainer<double, 3, 3>* v = velocities(mesh);
-  t.velocity = v ? v->begin()[face] : nullptr;
+  t.velocity = w.velocity ? w.velocity[face] : nullptr;
   return t;
 }
 
@@ -106,10 +101,9 @@ void LiggghtsWalls::add_force(int wall, int face, int grain, const double* force
 double LiggghtsWalls::largest_speed() const {
   double most = 0.0;
   for (const Wall& w : walls_) {
-    MultiVectorContainer<double, 3, 3>* v = w.mesh ? velocities(*w.mesh->triMesh()) : nullptr;
-    const int all = v ? w.mesh->triMesh()->sizeLocal() + w.mesh->triMesh()->sizeGhost() : 0;
+    const int all = w.velocity ? w.mesh->triMesh()->sizeLocal() + w.mesh->triMesh()->sizeGhost() : 0;
     for (int f = 0; f < all; ++f)
-      for (int k = 0; k < 3; ++k) most = std::max(most, length(v->begin()[f][k]));
+      for (int k = 0; k < 3; ++k) most = std::max(most, length(w.velocity[f][k]));
   }
   return most;
 }

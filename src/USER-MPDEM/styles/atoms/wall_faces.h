@@ -22,7 +22,8 @@ namespace mpdem {
 class LiggghtsWalls : public WallFaces {
  public:
   explicit LiggghtsWalls(LAMMPS_NS::LAMMPS* lmp) : lmp_(lmp) {}
-  // Finds the walls of the script. Call it at the start of a run.
+  // Finds the walls of the script, and the velocities of their meshes. Call it at the start of a run, and when LIGGGHTS
+  // has exchanged atoms and triangles.
   void find();
 
   int walls() const override { return static_cast<int>(walls_.size()); }
@@ -35,6 +36,7 @@ class LiggghtsWalls : public WallFaces {
   struct Wall {
     LAMMPS_NS::FixMeshSurface* mesh;  // null: a primitive wall
     LAMMPS_NS::PrimitiveWall* primitive;
+    double*** velocity;  // by triangle and corner; null for a mesh at rest
   };
   // Corners of a triangle, and their velocities, null for a mesh at rest.
   struct Triangle {
