@@ -85,6 +85,11 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
   }
   vd energy(const LinkSeparation& delta, State s) const { return secant(delta, s).energy(delta); }
 
+  vd onset_share(const LinkSeparation& delta) const {
+    const vd open = stiffness().kn * max(delta.n, vd{});
+    return sqrt(open * open / (tn_ * tn_) + stiffness().kt * stiffness().kt * delta.tangential_square() / (tt_ * tt_));
+  }
+
   TractionUpdate update(const LinkSeparation& delta, State& s) const {
     const double kn = stiffness().kn, ratio = stiffness().kt / kn;
     const vd open = max(delta.n, vd{}), shear = ratio * delta.tangential_square(), square = open * open + shear;

@@ -464,6 +464,116 @@ Film::Strains Film::strains(const BondEnd* ends, const Eigen::Vector3d& middle) 
   return all;
 }
 
+Film::FaceResponse Film::put_faces_in_series(Strains& strains, const BondEnd* ends, const Eigen::Vector3d& middle, const Law& of_any_kind,
+                                             const TractionLaw& faces) const {
+  using Matrix3 = Eigen::Matrix3d;
+  using Vector3 = Eigen::Vector3d;
+  FaceResponse response;
+  if (empty()) return response;
+  const double kn = faces.stiffness().kn, kt = faces.stiffness().kt;
+  const VtiElasticity& elasticity = of_any_kind.elasticity();
+  for (auto& of_motion : response.open) of_motion.assign(points.blocks.size(), {});
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const PointBlock& p = points.blocks[b];
+    const Column& c = columns_[b];
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(carrying(b) >> l & 1)) continue;
+      const auto at = [l](const vd* v) { return Vector3(v[0][l], v[1][l], v[2][l]); };
+      const Eigen::Quaterniond q(p.q.w[l], p.q.x[l], p.q.y[l], p.q.z[l]);
+      const Matrix3 frame = q.toRotationMatrix();
+      const Vector3 N = at(c.N);
+      const double inverse_t = c.inverse_t[l], volume = p.volume[l];
+      // Strain in the frame of the point due to the end at grain 1 moving by w, and the force that this takes.
+      const auto strain_of = [&](const Vector3& w) {
+        const Matrix3 G = inverse_t * w * N.transpose();
+        return Matrix3(frame.transpose() * (0.5 * (G + G.transpose())) * frame);
+      };
+      const auto force_of = [&](const Matrix3& e) {
+        const auto in_lanes = [](double x) { return splat(x); };
+        const Sym3<vd> s = elasticity.stress(
+            Sym3<vd>{in_lanes(e(0, 0)), in_lanes(e(1, 1)), in_lanes(e(2, 2)), in_lanes(e(1, 2)), in_lanes(e(0, 2)), in_lanes(e(0, 1))});
+        Matrix3 stress;
+        stress << s.xx[0], s.xy[0], s.xz[0], s.xy[0], s.yy[0], s.yz[0], s.xz[0], s.yz[0], s.zz[0];
+        return Vector3(volume * inverse_t * (frame * stress * frame.transpose() * N));
+      };
+      Matrix3 A, compliance[2];
+      for (int d = 0; d < 3; ++d) A.col(d) = force_of(strain_of(Vector3::Unit(d)));
+      for (int s = 0; s < 2; ++s) {
+        const Vector3 n = at(c.normal[s]);
+        compliance[s] = (Matrix3::Identity() / kt + (1.0 / kn - 1.0 / kt) * n * n.transpose()) / c.area[s][l];
+      }
+      const Matrix3 both = compliance[0] + compliance[1];
+      const Matrix3 kept = (Matrix3::Identity() + both * A).inverse();  // of w, by the column
+      Vector3 forces[6];
+      for (int j = 0; j < 6; ++j) {
+        Vector3 turn = Vector3::Zero(), w = Vector3::Zero();
+        if (j < 3) w[j] = 1.0;
+        else turn[j - 3] = 1.0;
+        const Vector3 from_middle = at(c.arm[1]) + Vector3(ends[1].x[0], ends[1].x[1], ends[1].x[2]) - middle;
+        w += turn.cross(from_middle);
+        const Vector3 stretch = kept * w;
+        forces[j] = A * stretch;
+        const Matrix3 less = strain_of(w - stretch);
+        const double change[6] = {less(0, 0), less(1, 1), less(2, 2), less(1, 2), less(0, 2), less(0, 1)};
+        double* to = reinterpret_cast<double*>(&strains[j][b]) + l;
+        for (int i = 0; i < 6; ++i) to[kLanes * i] -= change[i];
+        const Vector3 open[2] = {compliance[0] * forces[j], -compliance[1] * forces[j]};
+        for (int s = 0; s < 2; ++s)
+          for (int d = 0; d < 3; ++d) response.open[j][b][static_cast<std::size_t>(3 * s + d)][l] = open[s][d];
+        for (int i = 0; i <= j; ++i) response.stiffness(i, j) += forces[i].dot(both * forces[j]);
+      }
+    }
+  }
+  response.stiffness.triangularView<Eigen::StrictlyLower>() = response.stiffness.transpose();
+  return response;
+}
+
+void Film::set_open(const FaceResponse& response, const double* d) {
+  if (response.empty()) return;
+  faces_.assign(points.blocks.size(), Faces{});
+  for (std::size_t b = 0; b < faces_.size(); ++b) {
+    for (int s = 0; s < 2; ++s)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 6; ++j) faces_[b].open[s][i] += splat(d[j]) * response.open[j][b][static_cast<std::size_t>(3 * s + i)];
+    write_faces(static_cast<int>(b));
+  }
+}
+
+void Film::close_faces() {
+  for (Link& k : points.links)
+    if (k.attached) std::fill(k.moved, k.moved + 3, 0.0);
+  for (Faces& f : faces_)
+    for (int s = 0; s < 2; ++s)
+      for (int i = 0; i < 3; ++i) f.open[s][i] = vd{};
+}
+
+double Film::largest_onset_share(const FaceResponse& response, const TractionLaw& of_any_kind, const double* d) const {
+  double most = 0.0;
+  if (response.empty()) return most;
+  with_traction(of_any_kind, [&](const auto& traction) {
+    if constexpr (std::decay_t<decltype(traction)>::kFields > 0)
+      for (std::size_t b = 0; b < columns_.size(); ++b)
+        for (int s = 0; s < 2; ++s) {
+          vd open[3] = {};
+          for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 6; ++j) open[i] += splat(d[j]) * response.open[j][b][static_cast<std::size_t>(3 * s + i)];
+          most = std::max(most, largest_lane(masked(carrying(b), traction.onset_share(separation(open, columns_[b].normal[s])))));
+        }
+  });
+  return most;
+}
+
+void Film::largest_onset_shares(const FaceResponse& response, const TractionLaw& faces, double* of_motion) const {
+  for (int j = 0; j < 6; ++j) {
+    double d[6] = {};
+    of_motion[j] = 0.0;
+    for (double sign : {-1.0, 1.0}) {
+      d[j] = sign;
+      of_motion[j] = std::max(of_motion[j], largest_onset_share(response, faces, d));
+    }
+  }
+}
+
 Film::Matrix6 Film::stiffness(const Strains& strains, const Law& of_any_kind) const {
   Matrix6 K = Matrix6::Zero();
   with_law(of_any_kind, [&](const auto& law) {

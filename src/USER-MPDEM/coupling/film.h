@@ -82,6 +82,24 @@ class Film {
   // The stiffness for these motions, with the present damage.
   Matrix6 stiffness(const Strains& strains, const Law& law) const;
 
+  // Response of the faces at the grains for these motions, in series with the columns, while their traction law has no
+  // damage. open: openings at grain 0 and 1, as Film keeps them. The stiffness is the share of the faces in that of the
+  // film.
+  struct FaceResponse {
+    std::array<std::vector<std::array<vd, 6>>, 6> open;
+    Matrix6 stiffness = Matrix6::Zero();
+    bool empty() const { return open[0].empty(); }
+  };
+  // Puts the faces in series with the columns: reduces the strains of perfectly bonded columns.
+  FaceResponse put_faces_in_series(Strains& strains, const BondEnd* ends, const Eigen::Vector3d& middle, const Law& law,
+                                   const TractionLaw& faces) const;
+  // Sets the openings to the sum of d_j open_j; closes the faces without a response. They must have no damage.
+  void set_open(const FaceResponse& response, const double* d);
+  void close_faces();
+  // Largest TractionLaw onset_share of the faces: for the motion d, or for each of the six motions alone, of both signs.
+  double largest_onset_share(const FaceResponse& response, const TractionLaw& faces, const double* d) const;
+  void largest_onset_shares(const FaceResponse& response, const TractionLaw& faces, double* of_motion) const;
+
   // Number of blocks at the last lay_out(). Columns added since are in later blocks.
   std::size_t laid_out_blocks() const { return columns_.size(); }
   // Position and velocity of the columns of block b, which must be laid out: means of those of both grains.

@@ -137,6 +137,20 @@ class PenaltyLinks {
   void add_small_force(const std::vector<Secant>& secants, const double* x, const double (*motion)[6], double* force,
                        double (*load)[6]) const;
 
+  // Separations of the attached links due to six small motions: of the nodes by fields[j], and of the two grains by
+  // motions[j]. Eight links a block; zero in other lanes.
+  struct SmallSeparations {
+    struct Block {
+      vd delta[6][3], n[3];
+    };
+    std::vector<Block> blocks;
+  };
+  SmallSeparations small_separations(const std::vector<Secant>& secants, const std::array<std::vector<double>, 6>& fields,
+                                     const double (*motions)[2][6]) const;
+  // Largest TractionLaw onset_share of the links: for the sum of d_j motions, or for each of them alone, of both signs.
+  double largest_onset_share(const SmallSeparations& separations, const double* d) const;
+  void largest_onset_shares(const SmallSeparations& separations, double* of_motion) const;
+
   const PenaltyParameters& parameters() const { return p_; }
   bool empty() const { return blocks_.empty(); }
   // Shares lists with bonds that have equal ones.

@@ -21,6 +21,8 @@
 // Laws with a state also have
 //
 //   update(delta, state)   updates the state for the separation, see TractionUpdate. Repetition changes nothing.
+//   onset_share(delta)     traction of a link without damage over that at which its damage begins. A norm of the
+//                          separation, but that compression counts as zero.
 #ifndef MPDEM_COUPLING_TRACTION_LAW_H
 #define MPDEM_COUPLING_TRACTION_LAW_H
 

@@ -61,6 +61,12 @@ inline vd map_lanes(vd a, F f) {
   return r;
 }
 
+inline double largest_lane(vd a) {
+  double most = a[0];
+  for (int l = 1; l < kLanes; ++l) most = most < a[l] ? a[l] : most;
+  return most;
+}
+
 inline double sum_lanes(vd a) {
   using v4 = double __attribute__((vector_size(32)));
   using v2 = double __attribute__((vector_size(16)));

@@ -25,6 +25,9 @@ double Scene::shear_speed() const { return std::sqrt(law->elasticity().softest_s
 
 bool Scene::stays_linear(const Bond& b) const {
   if ((touches() || options.unilateral) && b.points.any_failed()) return false;
+  const auto softened = [](const Link& k) { return k.attached && k.state[0] > 0.0; };
+  for (const PointStore* store : b.stores())
+    if (std::any_of(store->links.begin(), store->links.end(), softened)) return false;
   const auto debonded = [](const Link& k) { return !k.attached; };
   return !touches() || (b.points.contacts.empty() && std::none_of(b.points.links.begin(), b.points.links.end(), debonded));
 }

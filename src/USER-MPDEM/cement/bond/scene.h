@@ -107,7 +107,7 @@ struct Scene {
   bool faces_touch() const { return touches() && options.split; }
   // May bonds be condensed? Where cement has contact, separated bonds may become rigid pieces in any case.
   bool may_condense() const { return penalty && (options.condense || touches()); }
-  // Is the response linear as long as nothing else fails? Contact, and cracks that close, are not.
+  // Is the response linear as long as nothing else fails? Contact, cracks that close and links that softened are not.
   bool stays_linear(const Bond& b) const;
 
   // weight() is the acceleration by gravity that acts on the inertia of the cement, in the axes of the box.

@@ -125,6 +125,9 @@ void CondensedBonds::activate(MPI_Comm comm, int bond_row, Bond* bond, const Bon
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) turn[i][j] = Q(i, j);
     set_field(bond->points, grid, turn);
+    double d[6];
+    for (int j = 0; j < 6; ++j) d[j] = pack_.relative(member, j);
+    bond->film.set_open(members_[static_cast<std::size_t>(member)].solution->fields.faces, d);
     bond->film.start_from(pack_.ends(member, row).data());
   }
   const std::array<double, 3> along = turned_back(axes_of(row), gravity);
@@ -168,7 +171,7 @@ void CondensedBonds::equilibrate(MPI_Comm comm, Bond* bond, const BondRecord& re
 }
 
 bool CondensedBonds::matches_static_solution(const Bond& resolved, const BondRecord& record, const BondEnd* ends, double energy,
-                                             double root, const double* gravity, double dt_last, const Law& law) {
+                                             double root, double largest, const double* gravity, double dt_last, const Law& law) {
   PointSums now;
   now.add(resolved.points, law, false);
   now.add(resolved.film.points, law, false);
@@ -182,6 +185,7 @@ bool CondensedBonds::matches_static_solution(const Bond& resolved, const BondRec
     still.links = resolved.links;
     revert_field(still.points);
     revert_field(still.film.points);
+    still.film.close_faces();
     std::fill(still.grid.displacement.begin(), still.grid.displacement.end(), 0.0);
     c = {resolved.layout, now.damaged_volume, now.failed, nullptr};
     try {
@@ -195,6 +199,8 @@ bool CondensedBonds::matches_static_solution(const Bond& resolved, const BondRec
   const Eigen::LLT<Matrix6> K(model.K);
   if (K.info() != Eigen::Success || root == 0.0) return false;
   const CondensedMotion motion(model, record, ends);
+  root = std::max(root, root_of_interface(*c.solution, resolved, motion.relative().data(), law));
+  if (root >= largest) return false;
   const double elastic = motion.energy(model), at_threshold = elastic / (root * root);
   const CondensedMotion::Vector12 before = motion.velocity(ends, 0.0), after = motion.velocity(ends, dt_last);
   if (std::fabs(energy - elastic - 0.5 * before.dot(model.M * after)) > kChange * at_threshold) return false;

@@ -102,6 +102,14 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
     for (int j = 0; j < 6; ++j) s->bound[j] = std::max(s->bound[j], bound[j]);
     s->sums.add(*b->stores()[n], law, false);
   }
+  const std::shared_ptr<const TractionLaw>& interface = b->links.parameters().law;
+  if (interface && interface->fields() > 0) {
+    s->interface = interface;
+    double of_links[6], of_faces[6];
+    b->links.largest_onset_shares(s->fields.separations, of_links);
+    b->film.largest_onset_shares(s->fields.faces, *interface, of_faces);
+    for (int j = 0; j < 6; ++j) s->bound[j] = std::max(s->bound[j], root_of_share(law, 1.0) * std::max(of_links[j], of_faces[j]));
+  }
   if (s->sums.largest_damage > 0.0)
     for (double& of_motion : s->bound) of_motion *= kDriveOfDamaged;
   b->points.forget_roots_of_norm();
@@ -543,9 +551,18 @@ std::vector<int> CondensedBonds::rows_without_points(const Bonds& bonds) const {
   return rows;
 }
 
+double CondensedBonds::root_of_interface(const Solution& s, const Bond& b, const double* d, const Law& law) {
+  if (!s.interface) return 0.0;
+  return root_of_share(law, 1.0) *
+         std::max(b.links.largest_onset_share(s.fields.separations, d), b.film.largest_onset_share(s.fields.faces, *s.interface, d));
+}
+
 double CondensedBonds::largest_root(Bond& b, const BondRecord& record, int member, const CementOptions& options, const Law& law) const {
   show_strain(b, member);
-  const double of_film = largest_root_of_drive(b.film.points, law, nullptr);
+  double d[6];
+  for (int j = 0; j < 6; ++j) d[j] = pack_.relative(member, j);
+  const double of_film = std::max(largest_root_of_drive(b.film.points, law, nullptr),
+                                  root_of_interface(*members_[static_cast<std::size_t>(member)].solution, b, d, law));
   if (!options.advance.nonlocal) return std::max(of_film, largest_root_of_drive(b.points, law, nullptr));
   DriveAverage average;  // temporary: a condensed bond keeps no lists for it
   average.find(b.points, b.grid, law, smoothing_passes_for(options.length, options.cell, options.basis), {&record, options.imperfection});

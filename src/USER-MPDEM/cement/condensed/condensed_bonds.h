@@ -140,9 +140,9 @@ class CondensedBonds {
   void activate(MPI_Comm comm, int bond_row, Bond* bond, const Bonds& bonds, const double* gravity, double dt_last, const Law& law) const;
   // May a resolved bond that is whole on this rank be condensed again? Force and energy may change by kChange of their
   // values at the damage threshold. ends: with the loads of the step. energy: energy of its nodes, points and links.
-  // root: root of its largest driving force.
+  // root: root of its largest driving force; with that of the interface it must be below `largest`.
   bool matches_static_solution(const Bond& resolved, const BondRecord& record, const BondEnd* ends, double energy, double root,
-                               const double* gravity, double dt_last, const Law& law);
+                               double largest, const double* gravity, double dt_last, const Law& law);
   // May a separated bond be condensed again: does the attached cement move with its grains as rigid pieces? Force and
   // energy may change by kChange of the largest load that the bond had, and of the energy with that load.
   bool matches_rigid_pieces(Bond& resolved, const BondRecord& record, const BondEnd* ends, double energy,
@@ -171,7 +171,8 @@ class CondensedBonds {
     std::vector<signed char> grain_of_node;                               // grain of each node of a bond in pieces
     double bound[6] = {};  // bounds of the root, see find_strain_bounds() of mpm/field_drive.h
     PointSums sums;
-    Matrix6 energy = Matrix6::Zero();  // the points have the elastic energy d.energy d/2 for the relative motion d
+    std::shared_ptr<const TractionLaw> interface;  // of the links, if it has a state
+    Matrix6 energy = Matrix6::Zero();              // the points have the elastic energy d.energy d/2 for the relative motion d
   };
   struct Member {  // an entry of the pack: a bond or a piece
     int row;
@@ -191,6 +192,9 @@ class CondensedBonds {
   static std::shared_ptr<const Solution> solved(MPI_Comm comm, Bond* b, const BondRecord& record, const Law& law,
                                                 int most = kMostStaticSteps);
   bool solve_shared(MPI_Comm comm, Bonds& bonds, int row, const Law& law);  // collective; false: no convergence
+  // Root of the driving force that stands for the interface: that of the onset of damage times the share of the strength
+  // that the motion d of the bond takes.
+  static double root_of_interface(const Solution& s, const Bond& b, const double* d, const Law& law);
   double largest_root(Bond& b, const BondRecord& record, int member, const CementOptions& options, const Law& law) const;
   bool note_check(std::size_t member, double root, const CementOptions& options, const Law& law);
   void show_strain(Bond& bond, int member) const;

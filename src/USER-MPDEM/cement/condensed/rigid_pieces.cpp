@@ -114,7 +114,8 @@ GrainLoads momentum_of_pieces(const Bond& bond, const std::vector<signed char>& 
   return loads_of_pieces(models, record, ends, [&](int s, const CondensedMotion& motion, const std::array<BondEnd, 2>&) {
     CondensedMotion::Vector12 sum = CondensedMotion::Vector12::Zero();
     for (int i = 0; i < bond.grid.size(); ++i)
-      if (bond.grid.mass[i] > 0.0 && bond.grid.halo.counts_here()[i] && grain_of_node[i] == s) sum.head<6>() += momentum_of_node(bond.grid, i, motion);
+      if (bond.grid.mass[i] > 0.0 && bond.grid.halo.counts_here()[i] && grain_of_node[i] == s)
+        sum.head<6>() += momentum_of_node(bond.grid, i, motion);
     return sum;
   });
 }

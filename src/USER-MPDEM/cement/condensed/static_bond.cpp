@@ -230,10 +230,15 @@ StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
     for (int j = 0; j <= i; ++j) bond.stiffness(i, j) = bond.stiffness(j, i) = energy(i, j);
   if (system) {
     bond.strain_of_film = system->film.strains(system->ends, bond.frame.middle);
+    const std::shared_ptr<const TractionLaw>& interface = system->links.parameters().law;
+    if (interface && interface->fields() > 0) {
+      bond.faces = system->film.put_faces_in_series(bond.strain_of_film, system->ends, bond.frame.middle, system->law, *interface);
+      bond.separations = system->links.small_separations(system->links.secants(system->grid, system->ends), bond.displacement, motion);
+    }
     bond.stiffness_of_film = system->film.stiffness(bond.strain_of_film, system->law);
   }
   for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) bond.stiffness(i, j) += equations.all(bond.stiffness_of_film(i, j));
+    for (int j = 0; j < 6; ++j) bond.stiffness(i, j) += equations.all(bond.stiffness_of_film(i, j) + bond.faces.stiffness(i, j));
   return bond;
 }
 

@@ -64,8 +64,11 @@ struct StaticBond {
   std::array<std::vector<double>, 6> displacement;  // three numbers a node, constrained nodes included
   std::array<std::vector<Sym3<vd>>, 6> strain;      // of each block, in the material frames
   Film::Strains strain_of_film;
-  Matrix6 stiffness_of_film = Matrix6::Zero();  // share of this rank in `stiffness`
-  int products = 0;                             // applications of the operator, for all fields
+  Matrix6 stiffness_of_film = Matrix6::Zero();  // of its columns: share of this rank in `stiffness`
+  // With a traction law that has a state: what the interface between cement and grains feels.
+  PenaltyLinks::SmallSeparations separations;
+  Film::FaceResponse faces;
+  int products = 0;  // applications of the operator, for all fields
   std::size_t memory_usage() const;
 };
 

@@ -196,8 +196,10 @@ bool Condensing::rests(Bond& b) {
   if (!scene_.options.condense || !scene_.stays_linear(b)) return false;
   const double root =
       std::max(largest_root_of_drive(b.points, *scene_.law, nullptr), largest_root_of_drive(b.film.points, *scene_.law, nullptr));
-  if (root >= kBelow * root_of_share(*scene_.law, scene_.options.activation_share)) return false;
-  return condensed_.matches_static_solution(b, record, ends, work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law);
+  const double largest = kBelow * root_of_share(*scene_.law, scene_.options.activation_share);
+  if (root >= largest) return false;
+  return condensed_.matches_static_solution(b, record, ends, work_.energy_of(b), root, largest, scene_.weight().data(), scene_.dt_last,
+                                            *scene_.law);
 }
 
 // Collective. Returns the separated bonds that go on as rigid pieces, with contact. With `condense no`, only those in
@@ -284,6 +286,7 @@ void Condensing::condense_again() {
     condensed_.forget_candidate(row);
     revert_field(b->points);
     revert_field(b->film.points);
+    b->film.close_faces();
     for (std::vector<double>* values : {&b->grid.displacement, &b->grid.velocity, &b->grid.acceleration})
       std::fill(values->begin(), values->end(), 0.0);
     b->near_threshold = false;

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// How near the links of a bond are to the onset of their damage, for small motions.
+#include "../mpm/lane_by_lane.h"
+#include "penalty_links.h"
+#include "traction_laws.h"
+
+namespace mpdem {
+
+PenaltyLinks::SmallSeparations PenaltyLinks::small_separations(const std::vector<Secant>& secants,
+                                                               const std::array<std::vector<double>, 6>& fields,
+                                                               const double (*motions)[2][6]) const {
+  SmallSeparations found;
+  found.blocks.assign(blocks_.size(), {});
+  with_basis(basis_, [&](auto type) {
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      const LinkBlock& b = blocks_[i];
+      const Secant& s = secants[i];
+      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+      std::copy(s.n, s.n + 3, found.blocks[i].n);
+      for (int j = 0; j < 6; ++j) {
+        const double* g = motions[j][b.side];
+        vd u[3];
+        gather_value_by_lane(fields[static_cast<std::size_t>(j)].data(), b.taken(), columns(b), w, u);
+        for (int d = 0; d < 3; ++d) {
+          const int e = (d + 1) % 3, h = (d + 2) % 3;
+          found.blocks[i].delta[j][d] = masked(link_flags_[i].attached, u[d] - (g[d] + g[3 + e] * s.arm[h] - g[3 + h] * s.arm[e]));
+        }
+      }
+    }
+  });
+  return found;
+}
+
+double PenaltyLinks::largest_onset_share(const SmallSeparations& separations, const double* d) const {
+  vd most{};
+  with_traction(*p_.law, [&](const auto& traction) {
+    if constexpr (std::decay_t<decltype(traction)>::kFields > 0)
+      for (const SmallSeparations::Block& b : separations.blocks) {
+        vd delta[3] = {};
+        for (int j = 0; j < 6; ++j)
+          for (int i = 0; i < 3; ++i) delta[i] += splat(d[j]) * b.delta[j][i];
+        const LinkSeparation apart{delta[0] * b.n[0] + delta[1] * b.n[1] + delta[2] * b.n[2],
+                                   delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]};
+        most = max(most, traction.onset_share(apart));
+      }
+  });
+  return largest_lane(most);
+}
+
+void PenaltyLinks::largest_onset_shares(const SmallSeparations& separations, double* of_motion) const {
+  for (int j = 0; j < 6; ++j) {
+    double d[6] = {};
+    of_motion[j] = 0.0;
+    for (double sign : {-1.0, 1.0}) {
+      d[j] = sign;
+      of_motion[j] = std::max(of_motion[j], largest_onset_share(separations, d));
+    }
+  }
+}
+
+}  // namespace mpdem
