@@ -144,6 +144,30 @@ TEST(StaticBond, SameOnAllRanks) {
   }
 }
 
+// Failed points have no stiffness, and edges of the disc have constrained nodes: the factor has them as the operator.
+TEST(StaticBond, FactorAgreesWithIterationBesideFailedPoints) {
+  Row r = elastic_row();
+  r.B0 = 1e6;
+  RowOfGrains host(MPI_COMM_SELF, r);
+  host.setup();
+  Bond& b = *host.bonds.begin();
+  EXPECT_FALSE(b.grid.constraints.empty());
+  const std::size_t middle = b.points.blocks.size() / 2;
+  b.points.meta[middle].failed = b.points.meta[middle].occupied;
+  b.points.meta[middle + 1].failed = b.points.meta[middle + 1].occupied & 0x55;
+  b.points.meta[middle].damaged = b.points.meta[middle + 1].damaged = true;
+  const EndsAtCreation at(host.bonds.table[0]);
+  const StaticSystem system{b.points, b.grid, b.links, at.ends, host.bonds.table[0], host.cement->law(), b.film};
+  MPI_Comm as_if_shared;
+  MPI_Comm_dup(MPI_COMM_SELF, &as_if_shared);
+  const StaticBond factored = solve_static(MPI_COMM_SELF, &system), iterated = solve_static(as_if_shared, &system);
+  EXPECT_EQ(factored.products, 18);
+  EXPECT_GT(iterated.products, 100);
+  // the iteration ends sooner beside failed points
+  test::expect_within((iterated.stiffness - factored.stiffness).norm() / factored.stiffness.norm(), 1e-6, "stiffness");
+  MPI_Comm_free(&as_if_shared);
+}
+
 // One of three bonds has a debonded link, and so is no equal of the others.
 TEST(StaticBond, WhatIsNotEqualIsSolved) {
   RowOfGrains host(MPI_COMM_SELF, elastic_row(3));
@@ -259,6 +283,33 @@ TEST_P(AnyBond, EnergyOfTheFields) {
     EXPECT_LT(energy, s.bond.stiffness(j, j) * (1.0 + 1e-6));  // the rest is in the links
     EXPECT_GT(energy, 0.05 * s.bond.stiffness(j, j));
   }
+}
+
+// A whole bond is solved with a factor of its stiffness, and one that may be shared by conjugate gradients alone. Both see the same nodes.
+TEST_P(AnyBond, FactorAgreesWithIteration) {
+  Solved s(GetParam());
+  const Bond& b = s.scene.bonds[0];
+  MPI_Comm as_if_shared;
+  MPI_Comm_dup(MPI_COMM_SELF, &as_if_shared);
+  const StaticSystem system{b.points, s.scene.bonds[0].grid, b.links, s.scene.ends_of(b), s.scene.records[0], s.law, b.film};
+  const StaticBond iterated = solve_static(as_if_shared, &system);
+  EXPECT_EQ(s.bond.products, 18);  // one step for each field
+  EXPECT_GT(iterated.products, 100);
+  test::expect_within((iterated.stiffness - s.bond.stiffness).norm() / s.bond.stiffness.norm(), 1e-10, "stiffness");
+  for (int j = 0; j < 6; ++j) {
+    const Eigen::Map<const Eigen::VectorXd> one(s.bond.displacement[j].data(), s.bond.displacement[j].size()),
+        other(iterated.displacement[j].data(), iterated.displacement[j].size());
+    test::expect_within((one - other).norm() / one.norm(), 1e-6, "a field");
+  }
+  // Forces of a force, and what the operator says of the answer.
+  std::vector<double> force(3 * b.grid.size(), 0.0);
+  for (int i = 0; i < b.grid.size(); ++i)
+    if (b.grid.constraints.row(i) < 0) force[3 * i + i % 3] = 1e-3 * (i % 5 - 2);
+  const std::vector<double> by_factor = static_displacement(MPI_COMM_SELF, &system, force),
+                            by_iteration = static_displacement(as_if_shared, &system, force);
+  const Eigen::Map<const Eigen::VectorXd> one(by_factor.data(), by_factor.size()), other(by_iteration.data(), by_iteration.size());
+  test::expect_within((one - other).norm() / one.norm(), 1e-6, "displacement by a force");
+  MPI_Comm_free(&as_if_shared);
 }
 
 INSTANTIATE_TEST_SUITE_P(Links, AnyBond, ::testing::Values(true, false));
