@@ -102,6 +102,34 @@ TEST(StaticBond, FieldsOfAnotherLayout) {
   EXPECT_FALSE(fits(stiffer));
 }
 
+// A bond that rings is not solved to be condensed again. Motion as that of its grains is no ringing.
+TEST(StaticBond, RingingIsNoRest) {
+  RowOfGrains host(MPI_COMM_SELF, elastic_row());
+  host.setup();
+  Bond& b = *host.bonds.begin();
+  const BondRecord& record = host.bonds.table[0];
+  const double way = 1e-6 * test::kGap, K = host.cement->stiffness_of_bonds()[0].K[14], energy = 0.5 * K * way * way;
+  EndsAtCreation at(record);
+  at.ends[1].x[2] += way;
+  at.ends[0].force[2] = K * way;
+  at.ends[1].force[2] = -K * way;
+  double mass = 0.0;
+  for (int i = 0; i < b.grid.size(); ++i) mass += b.grid.mass[i];
+  const double gravity[3] = {0.0, 0.0, 0.0}, speed = std::sqrt(2.0 * energy / mass);
+  // all nodes move along x with a share of the energy, the grains with `of_grains` of that
+  const auto rests = [&](double share, double of_grains) {
+    const double v = std::sqrt(share) * speed;
+    for (int i = 0; i < b.grid.size(); ++i) b.grid.velocity[3 * i] = v;
+    for (BondEnd& e : at.ends) e.v[0] = of_grains * v;
+    CondensedBonds condensed;
+    return condensed.matches_static_solution(b, record, at.ends, (1.0 + share) * energy, 1.0, gravity, test::kStep, host.cement->law());
+  };
+  EXPECT_TRUE(rests(0.0, 0.0));
+  EXPECT_TRUE(rests(0.5, 1.0));
+  EXPECT_FALSE(rests(0.5, 0.0));
+  EXPECT_FALSE(rests(0.02, 0.0));
+}
+
 // The engine itself runs and pulls slowly. The force is K times the displacement.
 TEST(StaticBond, ForceOfTheRun) {
   Row r = elastic_row();
