@@ -7,7 +7,7 @@ import pytest
 from scenes import cement, launch, pair, run
 
 SCENE = pair(2e-4, cement="inner 1.4e-3 outer 2.2e-3") + cement(4e-4, 1e-8) + "fix hold grains freeze\n"
-PHASES = ["scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"]
+PHASES = ["scatter", "node update", "halo", "gather", "material", "coupling", "condensing", "layout", "output"]
 
 
 @pytest.mark.parametrize("ranks", [1, 2])

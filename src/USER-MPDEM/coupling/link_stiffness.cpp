@@ -2,7 +2,10 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Forces of the links due to small motions of nodes and grains.
+#include <algorithm>
+
 #include "../mpm/lane_by_lane.h"
+#include "../mpm/stiffness_matrix.h"
 #include "penalty_links.h"
 
 namespace mpdem {
@@ -33,6 +36,57 @@ void PenaltyLinks::add_small_force(const std::vector<Secant>& secants, const dou
         to[3 + d] -= sum_lanes(s.arm[e] * f[h] - s.arm[h] * f[e]);
       }
     }
+  });
+}
+
+template <class F, class Then>
+void PenaltyLinks::each_attached_by_cell(F f, Then then) const {
+  const int support_of_cell = support(basis_);
+  std::vector<int> nodes;
+  const int* last = nullptr;
+  const auto finish = [&] {
+    if (!last) return;
+    nodes.clear();
+    for (int c = 0; c < columns_of_cell_; ++c)
+      for (int k = 0; k < support_of_cell; ++k) nodes.push_back(last[c] + k);
+    then(nodes);
+  };
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(link_flags_[i].attached >> l & 1)) continue;
+      const int* of_lane = columns(blocks_[i]) + columns_of_cell_ * l;
+      if (last && !std::equal(of_lane, of_lane + columns_of_cell_, last)) finish();
+      last = of_lane;
+      f(i, l);
+    }
+  finish();
+}
+
+void PenaltyLinks::couple(StiffnessMatrix& matrix) const {
+  each_attached_by_cell([](std::size_t, int) {}, [&](const std::vector<int>& nodes) { matrix.couple(nodes); });
+}
+
+void PenaltyLinks::add_to(StiffnessMatrix& matrix, const std::vector<Secant>& secants) const {
+  std::vector<StiffnessMatrix::Spring> springs;
+  with_basis(basis_, [&](auto type) {
+    constexpr int S = decltype(type)::kSupport;
+    each_attached_by_cell(
+        [&](std::size_t i, int l) {
+          const LinkBlock& b = blocks_[i];
+          const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+          springs.emplace_back();
+          double* weight = springs.back().weight.data();
+          for (int x = 0; x < S; ++x)
+            for (int y = 0; y < S; ++y)
+              for (int z = 0; z < S; ++z) *weight++ = w.w[0][x][l] * w.w[1][y][l] * w.w[2][z][l];
+          const Secant& s = secants[i];
+          const Eigen::Vector3d n(s.n[0][l], s.n[1][l], s.n[2][l]);
+          springs.back().stiffness = s.kt[l] * Eigen::Matrix3d::Identity() + (s.kn[l] - s.kt[l]) * n * n.transpose();
+        },
+        [&](const std::vector<int>& nodes) {
+          matrix.add(nodes, springs);
+          springs.clear();
+        });
   });
 }
 

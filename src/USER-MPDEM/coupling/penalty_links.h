@@ -42,6 +42,8 @@
 
 namespace mpdem {
 
+class StiffnessMatrix;
+
 struct PenaltyParameters {
   std::shared_ptr<const TractionLaw> law;
   double damping = 0;  // share of critical damping, for the spring with the mass of its point
@@ -136,6 +138,9 @@ class PenaltyLinks {
   // symmetric: the effect of a rotation on present forces is neglected.
   void add_small_force(const std::vector<Secant>& secants, const double* x, const double (*motion)[6], double* force,
                        double (*load)[6]) const;
+  // The same stiffness in an assembled matrix: the nodes of the links, and their springs.
+  void couple(StiffnessMatrix& matrix) const;
+  void add_to(StiffnessMatrix& matrix, const std::vector<Secant>& secants) const;
 
   // Separations of the attached links due to six small motions: of the nodes by fields[j], and of the two grains by
   // motions[j]. Eight links a block; zero in other lanes.
@@ -224,6 +229,9 @@ class PenaltyLinks {
   template <class Type>
   __attribute__((noinline)) void find_separation(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, vd* q,
                                                  vd* delta, vd* n) const;
+  // Calls f(block, lane) for each attached link, and then() with the nodes of the links before, where others follow and at the end.
+  template <class F, class Then>
+  void each_attached_by_cell(F f, Then then) const;
   // Calls f(block, weights, q, delta, n) for the blocks with attached links.
   template <class F>
   void each_attached(const Grid& grid, const BondEnd* ends, F f) const;

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 
 #include "../../mpm/stiffness_force.h"
+#include "../../mpm/stiffness_matrix.h"
 #include "../../parallel/agree.h"
 
 namespace mpdem {
@@ -31,11 +33,16 @@ constexpr int kLeastSteps = 40;
 constexpr double kShift = 1e-4;
 constexpr int kMostStepsOfForce = 1000;
 
+// The stiffness is factorised if that takes at most this number of multiplications, which is half a second and some 70 MB, and if each
+// pivot is above this share of the entry on the diagonal. Beside a smaller one nodes are connected by almost nothing. The share is larger
+// for a bond that may stay resolved: one that was accepted has to be solved again as the next run begins.
+constexpr double kMostMultiplications = 5e9, kLeastPivot = 1e-11, kLeastPivotOfCandidate = 1e-8;
+
 // The equations of one bond. Vectors have three numbers a node. Constrained nodes are no unknowns.
 // shift_share: share that gives the shift of the operator, see kShift; 0: no shift.
 class Equations {
  public:
-  Equations(MPI_Comm comm, const StaticSystem* system, double shift_share = 0.0) : comm_(comm), system_(system) {
+  Equations(MPI_Comm comm, const StaticSystem* system, double least_pivot, double shift_share = 0.0) : comm_(comm), system_(system) {
     std::vector<double> stiffness;
     if (system) {
       stiffness.resize(system->grid.size());
@@ -60,6 +67,7 @@ class Equations {
       shift_[i] = square * grid.mass[i];
       inverse_[i] = 1.0 / (d + shift_[i]);
     }
+    if (comm == MPI_COMM_SELF) factorise(least_pivot);
   }
 
   // Finds the force `out` on the nodes and `load` on the grains due to nodal displacements x and motions of the grains.
@@ -76,20 +84,18 @@ class Equations {
     grid.halo.sum(out.data(), 3);
   }
 
-  // Sums over the nodes of all ranks: r.P r with the preconditioner P, and a.b.
-  double squared_norm(const std::vector<double>& r) const {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < inverse_.size(); ++i)
-      if (counts(i)) sum += inverse_[i] * (r[3 * i] * r[3 * i] + r[3 * i + 1] * r[3 * i + 1] + r[3 * i + 2] * r[3 * i + 2]);
-    return all(sum);
+  // Applies the preconditioner: z = P r.
+  void precondition(const std::vector<double>& r, std::vector<double>& z) {
+    if (matrix_) return matrix_->solve(r, z);
+    for (std::size_t i = 0; i < r.size(); ++i) z[i] = inverse_[i / 3] * r[i];
   }
+  // Sum of a.b over the nodes of all ranks.
   double dot(const std::vector<double>& a, const std::vector<double>& b) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < inverse_.size(); ++i)
       if (counts(i)) sum += a[3 * i] * b[3 * i] + a[3 * i + 1] * b[3 * i + 1] + a[3 * i + 2] * b[3 * i + 2];
     return all(sum);
   }
-  double preconditioned(std::size_t i) const { return inverse_[i / 3]; }
   // The shift of component i.
   double shift(std::size_t i) const { return shift_[i / 3]; }
 
@@ -108,13 +114,28 @@ class Equations {
   }
 
  private:
+  void factorise(double least_pivot) {
+    std::vector<char> is_unknown(inverse_.size());
+    for (std::size_t i = 0; i < inverse_.size(); ++i) is_unknown[i] = inverse_[i] > 0.0;
+    matrix_ = std::make_unique<StiffnessMatrix>(system_->grid, is_unknown);
+    matrix_->couple(system_->points);
+    system_->links.couple(*matrix_);
+    if (matrix_->order(kMostMultiplications)) {
+      matrix_->add(system_->points, system_->law);
+      system_->links.add_to(*matrix_, secants_);
+      matrix_->add_to_diagonal(shift_);
+      if (matrix_->factorise(least_pivot)) return;
+    }
+    matrix_.reset();
+  }
   bool counts(std::size_t node) const { return system_->grid.halo.counts_here()[node]; }
   bool moves(std::size_t node) const { return system_->grid.constraints.row(static_cast<int>(node)) < 0 && system_->grid.mass[node] > 0.0; }
   MPI_Comm comm_;
   const StaticSystem* system_;
   std::vector<PenaltyLinks::Secant> secants_;
-  std::vector<double> inverse_;  // preconditioner, one number a node
-  std::vector<double> shift_;    // shift of the operator, one number a node
+  std::vector<double> inverse_;              // diagonal preconditioner, one number a node
+  std::vector<double> shift_;                // shift of the operator, one number a node
+  std::unique_ptr<StiffnessMatrix> matrix_;  // its factor is the preconditioner instead; null without
 };
 
 // Motion of a grain at `arm` from the middle: translation of its centre and rotation, due to motion j about the middle.
@@ -149,12 +170,13 @@ std::vector<double> first_guess(const StaticSystem& p, const BondFrame& frame, i
 int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double decline, int most) {
   const Motion at_rest = {};
   Motion load;
-  std::vector<double> p(r.size(), 0.0), minus_Kp(r.size());
+  std::vector<double> p(r.size(), 0.0), z(r.size()), minus_Kp(r.size());
   std::vector<double> taken;  // reduction of energy by each step
-  double rho = equations.squared_norm(r), before = 0.0;
+  equations.precondition(r, z);
+  double rho = equations.dot(r, z), before = 0.0;
   while (rho > kResidual * energy) {
     const double beta = before > 0.0 ? rho / before : 0.0;
-    for (std::size_t i = 0; i < r.size(); ++i) p[i] = equations.preconditioned(i) * r[i] + beta * p[i];
+    for (std::size_t i = 0; i < r.size(); ++i) p[i] = z[i] + beta * p[i];
     equations.force(p, at_rest, minus_Kp, load);  // -K p is the force on the nodes
     for (std::size_t i = 0; i < r.size(); ++i) minus_Kp[i] -= equations.shift(i) * p[i];
     const double pKp = -equations.dot(p, minus_Kp);
@@ -169,7 +191,8 @@ int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r
     taken.push_back(a * rho);
     if (steps >= window && std::accumulate(taken.end() - window, taken.end(), 0.0) < decline * energy) break;
     before = rho;
-    rho = equations.squared_norm(r);
+    equations.precondition(r, z);
+    rho = equations.dot(r, z);
   }
   return static_cast<int>(taken.size());
 }
@@ -195,7 +218,7 @@ BondFrame frame_of(const BondRecord& record, const BondEnd* ends) {
 
 StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
   StaticBond bond;
-  Equations equations(comm, system);
+  Equations equations(comm, system, most > kMostStepsOfCandidate ? kLeastPivot : kLeastPivotOfCandidate);
   std::array<std::vector<double>, 6> force;  // force of each field on the nodes
   double load_of[6][2][6];
   Motion motion[6] = {};
@@ -243,9 +266,11 @@ StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
 }
 
 std::vector<double> static_displacement(MPI_Comm comm, const StaticSystem* system, std::vector<double> force) {
-  Equations equations(comm, system, kShift);
+  Equations equations(comm, system, kLeastPivot, kShift);
   std::vector<double> x(force.size(), 0.0);
-  iterate(equations, x, force, equations.squared_norm(force), kDecline, kMostStepsOfForce);
+  std::vector<double> z(force.size());
+  equations.precondition(force, z);
+  iterate(equations, x, force, equations.dot(force, z), kDecline, kMostStepsOfForce);
   if (system) system->grid.constraints.extend(x.data());
   return x;
 }

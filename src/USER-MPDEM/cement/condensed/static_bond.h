@@ -11,10 +11,12 @@
 // the moment about the middle (i > 2) that keeps the second grain there. The middle lies on the line of centres,
 // half-way between the surfaces. K is symmetric, and zero for a bond that is attached to one grain only.
 //
-// The solver is a matrix-free conjugate gradient method with a diagonal preconditioner: the diagonal of the stiffness
-// of the points plus the row sums of the link stiffness that the added mass uses. It needs a few nodal vectors.
-// doc/bond_stiffness.md compares it with a sparse Cholesky factorisation. K is computed from the energies of the
-// fields, so its error is the square of theirs.
+// The solver is a conjugate gradient method on the matrix-free operator. A bond that is whole on its rank is
+// preconditioned with the Cholesky factor of its stiffness (mpm/stiffness_matrix.h), so one step finds a field. The
+// preconditioner of a bond that ranks share, of a very large one, and of one with nodes that are connected by almost
+// nothing is a diagonal: that of the stiffness of the points plus the row sums of the link stiffness that the added
+// mass uses. It needs a few nodal vectors. doc/bond_stiffness.md has the cost of both. K is computed from the energies
+// of the fields, so its error is the square of theirs.
 #ifndef MPDEM_CEMENT_CONDENSED_STATIC_BOND_H
 #define MPDEM_CEMENT_CONDENSED_STATIC_BOND_H
 

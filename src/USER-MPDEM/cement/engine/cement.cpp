@@ -284,6 +284,7 @@ void Cement::advance() {
   grains.save_loads();
   forces_.react();
   // activate bonds, and condense bonds again
+  scene_.timer.hold(StepTimer::kCondensing);
   if (condensing_.change()) find_forces_anew();
   scene_.timer.stop();
 }

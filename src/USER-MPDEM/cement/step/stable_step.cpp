@@ -159,20 +159,24 @@ double StableStep::find() {
 // of the box, whose nodes have another order, have the same added mass.
 double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Precision precision) {
   double mine = 1.0, constraint_factor;
-  for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_constraint_factor());
-  condensed_.for_each_template([&](const Bond& b) { mine = std::max(mine, b.grid.largest_constraint_factor()); });
+  for (int row : rows)
+    if (const Bond* b = scene_.bonds().find(row)) mine = std::max(mine, b->grid.largest_constraint_factor());
+  if (precision != Precision::after_change)
+    condensed_.for_each_template([&](const Bond& b) { mine = std::max(mine, b.grid.largest_constraint_factor()); });
   MPI_Allreduce(&mine, &constraint_factor, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
   const double bound = constraint_factor * scene_.eigenvalue_bound();
-  if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relative_damping))) return bound;
+  if (bound_alone()) return bound;
+  const bool known_is_enough = precision != Precision::after_change || bound <= kGrowth * known_;
+  if (bound > 0.0 && known_is_enough && dt <= step_for(bound, scene_.options.relative_damping)) return bound;
   const EigenvalueEstimate e = eigenvalue_of(rows, patches, precision);
   if (e.value > kGrowth * known_) known_ = e.most;
   return e.most;
 }
 
-// A change of nodes and weights changes the eigenvalue of these bonds alone. If no eigenvalue was ever needed, the step
-// is below the bound, which is valid for points anywhere. The layout has the added mass of the eigenvalue known before.
-// Where nodes split, patches are the blocks around them, one support wider than those that changed, since the new modes
-// are as short as a cell.
+// A change of nodes and weights changes the eigenvalue of these bonds alone. It need not be found if their bound is no
+// larger than the known eigenvalue. If no eigenvalue was ever needed, the step is below the bound, which is valid for
+// points anywhere. The layout has the added mass of the eigenvalue known before. Where nodes split, patches are the
+// blocks around them, one support wider than those that changed, since the new modes are as short as a cell.
 bool StableStep::check_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
   if (known_ == 0.0) return false;
   const double known = known_, limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches, Precision::after_change),

@@ -302,27 +302,28 @@ void CementReport::times(Cement& c, bigint points) {
                            mine[StepTimer::kPoints] * t.gather / ticks,
                            mine[StepTimer::kPoints] * t.material / ticks,
                            mine[StepTimer::kCoupling],
+                           mine[StepTimer::kCondensing],
                            mine[StepTimer::kLayout],
                            mine[StepTimer::kOutput]};
-  double total = 0.0, bytes = static_cast<double>(c.report().memory_usage()), unmoved[2] = {0.0, 1.0 * c.bonds().size()};
+  double bytes = static_cast<double>(c.report().memory_usage()), unmoved[2] = {0.0, 1.0 * c.bonds().size()};
   for (const Bond& b : c.bonds()) unmoved[0] += b.unmoved;
-  for (double x : mine) total += x;
   s.push_back(c.timer().cpu_seconds());
-  s.push_back(total);
+  s.push_back(c.timer().wall_seconds());
   MPI_Allreduce(MPI_IN_PLACE, s.data(), static_cast<int>(s.size()), MPI_DOUBLE, MPI_MAX, lmp_->world);
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lmp_->world);
   MPI_Allreduce(MPI_IN_PLACE, unmoved, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
   const CementTotals& now = totals_with_contacts(c);
   const std::string limited = limited_grain(lmp_, c);
   if (lmp_->comm->me != 0) return;
-  const char* names[] = {"scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"};  // in the order of s
+  const char* names[] = {"scatter",  "node update", "halo",   "gather", "material",
+                         "coupling", "condensing",  "layout", "output"};  // in the order of s
   const double all = s.back(), cpu = s.end()[-2], point_steps = static_cast<double>(points) * static_cast<double>(steps);
   std::string text = text_of(who_, all, " s in ", steps, " steps, ", point_steps / std::max(all, 1e-9), " point steps per second, ",
                              point_steps / std::max(cpu, 1e-9), " by CPU time, ");
   text += points > 0 ? text_of(bytes / static_cast<double>(points), " bytes a point\n ")
                      : text_of(bytes / static_cast<double>(c.bonds().table.size()), " bytes a bond\n ");
   for (std::size_t i = 0; i + 2 < s.size(); ++i)
-    text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(all, 1e-9)) / 10.0, " %");
+    text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(cpu, 1e-9)) / 10.0, " %");
   if (unmoved[0] > 0.0) text += text_of("; ", unmoved[0], " of ", unmoved[1], " bonds at rest");
   text += if_quasistatic(
       o, text_of("\n  quasistatic: kinetic share of the energy ", now.kinetic_share, ", unbalanced force ", now.unbalanced_force));

@@ -102,6 +102,34 @@ TEST(StaticBond, FieldsOfAnotherLayout) {
   EXPECT_FALSE(fits(stiffer));
 }
 
+// A bond that rings is not solved to be condensed again. Motion as that of its grains is no ringing.
+TEST(StaticBond, RingingIsNoRest) {
+  RowOfGrains host(MPI_COMM_SELF, elastic_row());
+  host.setup();
+  Bond& b = *host.bonds.begin();
+  const BondRecord& record = host.bonds.table[0];
+  const double way = 1e-6 * test::kGap, K = host.cement->stiffness_of_bonds()[0].K[14], energy = 0.5 * K * way * way;
+  EndsAtCreation at(record);
+  at.ends[1].x[2] += way;
+  at.ends[0].force[2] = K * way;
+  at.ends[1].force[2] = -K * way;
+  double mass = 0.0;
+  for (int i = 0; i < b.grid.size(); ++i) mass += b.grid.mass[i];
+  const double gravity[3] = {0.0, 0.0, 0.0}, speed = std::sqrt(2.0 * energy / mass);
+  // all nodes move along x with a share of the energy, the grains with `of_grains` of that
+  const auto rests = [&](double share, double of_grains) {
+    const double v = std::sqrt(share) * speed;
+    for (int i = 0; i < b.grid.size(); ++i) b.grid.velocity[3 * i] = v;
+    for (BondEnd& e : at.ends) e.v[0] = of_grains * v;
+    CondensedBonds condensed;
+    return condensed.matches_static_solution(b, record, at.ends, (1.0 + share) * energy, 1.0, gravity, test::kStep, host.cement->law());
+  };
+  EXPECT_TRUE(rests(0.0, 0.0));
+  EXPECT_TRUE(rests(0.5, 1.0));
+  EXPECT_FALSE(rests(0.5, 0.0));
+  EXPECT_FALSE(rests(0.02, 0.0));
+}
+
 // The engine itself runs and pulls slowly. The force is K times the displacement.
 TEST(StaticBond, ForceOfTheRun) {
   Row r = elastic_row();
@@ -142,6 +170,30 @@ TEST(StaticBond, SameOnAllRanks) {
   if (test::ranks() > 1) {
     EXPECT_GT(a[2].products, 0.0);
   }
+}
+
+// Failed points have no stiffness, and edges of the disc have constrained nodes: the factor has them as the operator.
+TEST(StaticBond, FactorAgreesWithIterationBesideFailedPoints) {
+  Row r = elastic_row();
+  r.B0 = 1e6;
+  RowOfGrains host(MPI_COMM_SELF, r);
+  host.setup();
+  Bond& b = *host.bonds.begin();
+  EXPECT_FALSE(b.grid.constraints.empty());
+  const std::size_t middle = b.points.blocks.size() / 2;
+  b.points.meta[middle].failed = b.points.meta[middle].occupied;
+  b.points.meta[middle + 1].failed = b.points.meta[middle + 1].occupied & 0x55;
+  b.points.meta[middle].damaged = b.points.meta[middle + 1].damaged = true;
+  const EndsAtCreation at(host.bonds.table[0]);
+  const StaticSystem system{b.points, b.grid, b.links, at.ends, host.bonds.table[0], host.cement->law(), b.film};
+  MPI_Comm as_if_shared;
+  MPI_Comm_dup(MPI_COMM_SELF, &as_if_shared);
+  const StaticBond factored = solve_static(MPI_COMM_SELF, &system), iterated = solve_static(as_if_shared, &system);
+  EXPECT_EQ(factored.products, 18);
+  EXPECT_GT(iterated.products, 100);
+  // the iteration ends sooner beside failed points
+  test::expect_within((iterated.stiffness - factored.stiffness).norm() / factored.stiffness.norm(), 1e-6, "stiffness");
+  MPI_Comm_free(&as_if_shared);
 }
 
 // One of three bonds has a debonded link, and so is no equal of the others.
@@ -259,6 +311,33 @@ TEST_P(AnyBond, EnergyOfTheFields) {
     EXPECT_LT(energy, s.bond.stiffness(j, j) * (1.0 + 1e-6));  // the rest is in the links
     EXPECT_GT(energy, 0.05 * s.bond.stiffness(j, j));
   }
+}
+
+// A whole bond is solved with a factor of its stiffness, and one that may be shared by conjugate gradients alone. Both see the same nodes.
+TEST_P(AnyBond, FactorAgreesWithIteration) {
+  Solved s(GetParam());
+  const Bond& b = s.scene.bonds[0];
+  MPI_Comm as_if_shared;
+  MPI_Comm_dup(MPI_COMM_SELF, &as_if_shared);
+  const StaticSystem system{b.points, s.scene.bonds[0].grid, b.links, s.scene.ends_of(b), s.scene.records[0], s.law, b.film};
+  const StaticBond iterated = solve_static(as_if_shared, &system);
+  EXPECT_EQ(s.bond.products, 18);  // one step for each field
+  EXPECT_GT(iterated.products, 100);
+  test::expect_within((iterated.stiffness - s.bond.stiffness).norm() / s.bond.stiffness.norm(), 1e-10, "stiffness");
+  for (int j = 0; j < 6; ++j) {
+    const Eigen::Map<const Eigen::VectorXd> one(s.bond.displacement[j].data(), s.bond.displacement[j].size()),
+        other(iterated.displacement[j].data(), iterated.displacement[j].size());
+    test::expect_within((one - other).norm() / one.norm(), 1e-6, "a field");
+  }
+  // Forces of a force, and what the operator says of the answer.
+  std::vector<double> force(3 * b.grid.size(), 0.0);
+  for (int i = 0; i < b.grid.size(); ++i)
+    if (b.grid.constraints.row(i) < 0) force[3 * i + i % 3] = 1e-3 * (i % 5 - 2);
+  const std::vector<double> by_factor = static_displacement(MPI_COMM_SELF, &system, force),
+                            by_iteration = static_displacement(as_if_shared, &system, force);
+  const Eigen::Map<const Eigen::VectorXd> one(by_factor.data(), by_factor.size()), other(by_iteration.data(), by_iteration.size());
+  test::expect_within((one - other).norm() / one.norm(), 1e-6, "displacement by a force");
+  MPI_Comm_free(&as_if_shared);
 }
 
 INSTANTIATE_TEST_SUITE_P(Links, AnyBond, ::testing::Values(true, false));
