@@ -99,6 +99,10 @@ class FixMpm : public Fix, private mpdem::CementHost {
   int substeps() const { return step_->substeps(options()); }
   // Collective. Call it after init() of all fixes. Needs a coupling, but no run.
   std::vector<mpdem::StiffnessOfBond> stiffness_of_bonds();
+  // Collective, between runs. Removes all cement of these bonds, ascending, and counts it as dropped.
+  void delete_bonds(const std::vector<int>& rows);
+  // The fix mpm of the script, or null.
+  static FixMpm* of(const Modify& modify);
   bool is_coupled() const { return cement_->penalty().has_value(); }
 
  private:
@@ -121,7 +125,9 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void write_point_atoms();
   void show_homes(bool for_run);
   void watch_outside();
+  void watch_loose();
   void remove_leaving(bool points_too);
+  void remove(const mpdem::Departing& departing);
   void check_positions();
   void check_unprepared();
   mpdem::HostView host() const { return {lmp, who(), avec_, this, cement_.get(), points_are_wanted()}; }
