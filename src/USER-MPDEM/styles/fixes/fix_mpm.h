@@ -77,6 +77,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   const mpdem::CementTotals& totals_with_contacts() { return report_->totals_with_contacts(*cement_); }
   const std::vector<mpdem::BondState>& bonds() { return report_->bonds(*cement_); }
   const std::vector<mpdem::BondState>& loads() { return report_->loads(*cement_); }
+  // Collective, and once for each force. Adds the forces of the bonds on their grains.
+  void add_virials(mpdem::GrainVirial& virial) { cement_->report().add_virials(loads(), virial); }
   // Returns `intact`, `debonding`, `internal` or `mixed`.
   std::string failure_mode(int row) const { return cement_->cracks().mode(static_cast<std::size_t>(row)); }
 
