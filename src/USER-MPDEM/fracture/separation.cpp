@@ -277,4 +277,13 @@ std::vector<char> attached_grains(const std::vector<CrackPoint>& points, int acr
   return held;
 }
 
+std::vector<int> piece_sizes(const std::vector<CrackPoint>& points, int across) {
+  std::vector<int> piece_of;
+  const std::vector<Piece> pieces = find_pieces(Neighbours(points, across), points, piece_of);
+  std::vector<int> sizes(points.size(), 1);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (piece_of[i] >= 0) sizes[i] = pieces[piece_of[i]].points;
+  return sizes;
+}
+
 }  // namespace mpdem

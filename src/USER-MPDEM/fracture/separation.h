@@ -68,6 +68,9 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
 // each failed point those of the grains on which it stays as residue. across: see Neighbours.
 std::vector<char> attached_grains(const std::vector<CrackPoint>& points, int across);
 
+// Returns for each intact point the number of points of its piece, and 1 for each failed point. across: see Neighbours.
+std::vector<int> piece_sizes(const std::vector<CrackPoint>& points, int across);
+
 }  // namespace mpdem
 
 #endif

@@ -12,7 +12,10 @@
 #include "../styles/atoms/atom_vec_mpdem.h"
 #include "../styles/commands/bond_stiffness.h"
 #include "../styles/computes/compute_mpm_atom.h"
+#include "../styles/computes/compute_mpm_fragment.h"
+#include "../styles/computes/compute_mpm_stress.h"
 #include "../styles/commands/create_cement.h"
+#include "../styles/commands/delete_bond.h"
 #include "../styles/fixes/fix_check_timestep_mpm.h"
 #include "../styles/fixes/fix_mpm.h"
 #include "../styles/fixes/fix_mpm_couple.h"
@@ -56,8 +59,11 @@ void LAMMPS::post_create() {
   fixes["check/timestep/mpm"] = &make_fix<FixCheckTimestepMpm>;
   fixes["mpm/couple"] = &make_fix<FixMpmCouple>;
   mpdem::compute_styles(modify)["mpm/atom"] = &make_compute<ComputeMpmAtom>;
+  mpdem::compute_styles(modify)["mpm/fragment"] = &make_compute<ComputeMpmFragment>;
+  mpdem::compute_styles(modify)["mpm/stress"] = &make_compute<ComputeMpmStress>;
   mpdem::command_styles(input)["bond_stiffness"] = &run_command<BondStiffness>;
   mpdem::command_styles(input)["create_cement"] = &run_command<CreateCement>;
+  mpdem::command_styles(input)["delete_bond"] = &run_command<DeleteBond>;
   mpdem::command_styles(input)["write_cement"] = &run_command<WriteCement>;
   mpdem::learn_log_name(this);
 }
@@ -87,8 +93,8 @@ void LAMMPS::help() {
   std::fprintf(
       screen,
       "\n\n* USER-MPDEM %s styles\n\n"
-      "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, commands create_cement, write_cement,\n"
-      "bond_stiffness\n",
+      "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, compute mpm/fragment, compute mpm/stress,\n"
+      "commands create_cement, write_cement, delete_bond, bond_stiffness\n",
       mpdem::kVersion);
 }
 

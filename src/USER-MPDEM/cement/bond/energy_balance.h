@@ -32,6 +32,7 @@ class EnergyBalance {
   // Cement that left the scene, see cement/step/departures.h. momentum: in the axes of the box.
   struct Left {
     double points = 0.0, mass = 0.0, momentum[3] = {0, 0, 0}, energy = 0.0;
+    double dropped = 0.0, dropped_mass = 0.0;  // of these points and their mass: what was dropped, see cement/step/loose_cement.h
 
     template <class Self, class Visitor>
     static constexpr void describe(Self& l, Visitor& visit) {
@@ -39,6 +40,8 @@ class EnergyBalance {
       visit("the mass that left", l.mass, kNotNegative);
       visit("the momentum that left", l.momentum, kFinite);
       visit("the energy that left", l.energy, kFinite);
+      visit("the number of points that were dropped", l.dropped, kNotNegative);
+      visit("the mass that was dropped", l.dropped_mass, kNotNegative);
     }
   };
   struct Sums {
@@ -79,6 +82,8 @@ class EnergyBalance {
     sums_.left.mass += l.mass;
     for (int d = 0; d < 3; ++d) sums_.left.momentum[d] += l.momentum[d];
     sums_.left.energy += l.energy;
+    sums_.left.dropped += l.dropped;
+    sums_.left.dropped_mass += l.dropped_mass;
   }
 
   // Counts the decrease of energy() by `action` as released. damp_by() counts it as damped.

@@ -17,6 +17,17 @@ namespace mpdem {
 constexpr int kMostSubsteps = 1000;
 constexpr double kUsualImperfection = 2e-3, kMostImperfection = 0.1;
 
+// What is dropped: by age and size, see cement/step/loose_cement.h, where all conditions must be met; and what a grain that
+// leaves the box takes along.
+struct FragmentRule {
+  bool drop = false;         // false: fragments stay in the scene
+  bool bonds = false;        // the rule is for all cement of separated bonds, not for their fragments only
+  double age = 0.0;          // least time since it came loose
+  int below_points = 0;      // it has fewer points; 0: any number
+  double below_share = 0.0;  // it has a smaller share of the points of the bond; 0: any share
+  bool outside = false;      // joined cement outside of the box leaves with all cement of its bond, instead of stopping the run
+};
+
 struct CementOptions {
   double cell = 0.0;
   Basis basis = Basis::quadratic;
@@ -40,6 +51,7 @@ struct CementOptions {
   int subcycle = 1;               // sub-steps in a step of the host; 0: as many as the cement needs
   bool balance = false;           // are bonds moved to ranks that have less work, see cement/bond/work_shares.h
   int check_every = 100;          // steps between two checks
+  FragmentRule fragments;
   double most_bytes = std::numeric_limits<double>::infinity();  // limit for the grids of a rank
 
   // Least width of intact cement that counts as a connection of the grains; 0: any width. Where nodes split as points

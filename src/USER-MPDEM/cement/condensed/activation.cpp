@@ -83,14 +83,17 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Bond
   return n;
 }
 
+// A piece whose grain left is no member.
 CondensedBonds::NodeMotion CondensedBonds::nodes_of_pieces(const Bond& bond, const BondRecord& record, double later) const {
   const std::size_t first = member_of(bond.row);
   NodeMotion n;
   for (auto* values : {&n.displacement, &n.velocity, &n.acceleration}) values->resize(3 * static_cast<std::size_t>(bond.grid.size()));
   for (int s = 0; s < 2; ++s) {
+    const int member = member_of_piece(bond.row, s);
+    if (member < 0) continue;
     const BondRecord piece = record_of_piece(record, s);
-    const auto ends = pack_.ends(static_cast<int>(first) + s, piece);
-    const CondensedModel& model = model_of(first + s);
+    const auto ends = pack_.ends(member, piece);
+    const CondensedModel& model = model_of(static_cast<std::size_t>(member));
     const CondensedMotion motion(model, piece, ends.data());
     const CondensedMotion::Vector12 v = motion.velocity(ends.data(), later), a = motion.acceleration(ends.data());
     const Matrix3& Q = motion.axes();

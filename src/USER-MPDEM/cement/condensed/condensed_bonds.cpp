@@ -484,13 +484,13 @@ std::array<BondEnd, 2> CondensedBonds::loaded_ends(int bond_row, const Bonds& bo
 
 // For all bonds together the pack has the loads already, summed by grain.
 EnergyBalance::StepWork CondensedBonds::work(const BondedGrains& grains, const Bonds& bonds, const double* gravity, double dt_last,
-                                             int first_row) const {
+                                             int first_row, int end_row) const {
   if (!any()) return {};
-  if (first_row == 0) return grains.work_of(pack_, dt_last);
+  if (first_row == 0 && end_row == std::numeric_limits<int>::max()) return grains.work_of(pack_, dt_last);
   EnergyBalance::StepWork work;
   for (std::size_t member = 0; member < members_.size(); ++member) {
     const Member& m = members_[member];
-    if (m.row < first_row) continue;
+    if (m.row < first_row || m.row >= end_row) continue;
     const auto ends = loaded_ends_of_member(member, bonds, gravity);
     for (const BondEnd& s : ends) {
       const Grain* g = grains.find(s.tag);

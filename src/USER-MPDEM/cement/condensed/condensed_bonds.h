@@ -22,6 +22,7 @@
 #include <mpi.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -113,7 +114,8 @@ class CondensedBonds {
   std::vector<int> rows_without_points(const Bonds& bonds) const;  // owned rows whose points are made later
   const TemplateBond& template_bond_of(const BondRecord& record) const { return templates_.at(record.point_template).of; }
   // Work in a step of the loads on the grains of this rank, and of the weight, for bonds from first_row on.
-  EnergyBalance::StepWork work(const BondedGrains& grains, const Bonds& bonds, const double* gravity, double dt_last, int first_row) const;
+  EnergyBalance::StepWork work(const BondedGrains& grains, const Bonds& bonds, const double* gravity, double dt_last, int first_row,
+                               int end_row = std::numeric_limits<int>::max()) const;
   // Work on the cement when commands changed velocities of grains between two runs, by the velocity jumps of the ends.
   double work_of_commands(const Bonds& bonds, double dt_last) const;
 

@@ -45,7 +45,8 @@ int summed_columns();
 struct BondState {
   double force[2][3] = {}, torque[2][3] = {}, gap = 0.0, tension = 0.0;
   double contact[2][3] = {};  // the share of the force by contact between rigid pieces of the bond
-  double peak = 0.0;  // largest tension of all steps so far
+  double normal[3] = {};      // unit vector from the centre of the first grain to that of the second; 0 if a grain is gone
+  double peak = 0.0;          // largest tension of all steps so far
   double failed = 0.0, largest_damage = 0.0, mean_damage = 0.0;
   double separated = 0.0, share[2] = {0.0, 0.0};  // 1 once separated; shares of the fracture surface at each grain
   double broken = 0.0;                            // 1 once separated, or when it carries almost nothing

@@ -64,6 +64,9 @@ const std::vector<CementValue>& cement_values() {
       {"energy_left", "energy that left", [](const CementTotals& t) { return t.left.energy; }},
       {"kinetic_share", "kinetic share of the energy ([quasi-static loads](#quasi-static-loads))", field<&CementTotals::kinetic_share>},
       {"unbalanced_force", "unbalanced force over the mean force of bonds and contacts", field<&CementTotals::unbalanced_force>, true},
+      {"points_dropped", "points that left since they were [dropped](#what-may-leave)",
+       [](const CementTotals& t) { return t.left.dropped; }},
+      {"mass_dropped", "their mass", [](const CementTotals& t) { return t.left.dropped_mass; }},
       {"contact_energy", "energy stored in contacts of rigid pieces, and of cement with other bodies", field<&CementTotals::contact>},
       {"contact_friction", "energy that friction of these contacts took", field<&CementTotals::contact_friction>},
   };

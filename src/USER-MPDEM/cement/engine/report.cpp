@@ -280,6 +280,19 @@ double Report::unbalanced_force(const std::vector<BondState>& loads, const Magni
   return resultant < kMost * mean ? resultant / mean : kMost;
 }
 
+void Report::add_virials(const std::vector<BondState>& loads, GrainVirial& virial) const {
+  if (rank_in(scene_.comm) != 0) return;
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    const BondState& b = loads[i];
+    const BondRecord& record = scene_.bonds().table[i];
+    for (int s = 0; s < 2; ++s) {
+      double arm[3];
+      for (int d = 0; d < 3; ++d) arm[d] = (s == 0 ? 1.0 : -1.0) * (record.radius[s] + 0.5 * b.gap) * b.normal[d];
+      if (record.has_grain(0) && record.has_grain(1)) virial.add(record.grain[s], b.force[s], arm);
+    }
+  }
+}
+
 const std::vector<BondState>& Report::bond_loads() {
   const std::size_t n = scene_.bonds().table.size();
   states_.assign(n, BondState{});
@@ -324,6 +337,7 @@ const std::vector<BondState>& Report::bond_loads() {
         b.contact[s][d] = row[kSide * s + 9 + d];
         b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
       }
+    for (int d = 0; d < 3; ++d) b.normal[d] = length > 0.0 ? axis[d] / length : 0.0;
     b.gap = both ? length - record.radius[0] - record.radius[1] : 0.0;
     b.broken = cracks_.broken(i);
     if (!cracks_.broken(i)) continue;

@@ -12,6 +12,7 @@
 #include "../../contact/piece_contact.h"
 #include "../condensed/condensed_bonds.h"
 #include "../failure/cracks.h"
+#include "../bond/grain_virial.h"
 #include "../bond/scene.h"
 
 namespace mpdem {
@@ -62,6 +63,10 @@ class Report {
   };
   void motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const;
   void motion_of_film(const Bond& bond, std::vector<PointMotionNow>& motion) const;
+
+  // Adds the force of each bond on its two grains, at the middle of the gap on the line of centres, on the first rank. loads:
+  // bond_loads(), the same on all ranks.
+  void add_virials(const std::vector<BondState>& loads, GrainVirial& virial) const;
 
   // Call at the end of each step.
   void note_peaks();

@@ -121,6 +121,8 @@ std::vector<double> Cement::packed_state(CementHead head) {
   head.copies = static_cast<int>(copies.size() / kMostNumbers<PhantomNodeRow>);
   head.rows = static_cast<int>(scene_.bonds().table.size());
   head.nodes = nodes_to_pack(scene_);
+  const std::vector<LooseCement::Loose> loose = departures_.loose_cement().times();
+  head.loose = {static_cast<int>(loose.size()), departures_.loose_cement().clock(), static_cast<double>(departures_.loose_cement().step())};
   std::vector<double> all = {CementHead::kVersion};
   append(head, all);
   const std::vector<double> peaks = report_.peaks();
@@ -134,6 +136,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
     append(row, all);
   }
   all.insert(all.end(), copies.begin(), copies.end());
+  for (const LooseCement::Loose& l : loose) append(LooseRow{l.row, l.tag, l.since}, all);
   const std::vector<double> of_contact = contact_.packed(scene_.comm);
   all.insert(all.end(), of_contact.begin(), of_contact.end());
   return all;
@@ -188,8 +191,16 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
     in.check_whole("the bond of a split node", row.row, from(0, static_cast<double>(table) - 1.0));
     copies[{field_of(row.row, 0), row.index}].push_back({row.layer, row.copy, row.first, row.volume});
   }
+  std::vector<LooseCement::Loose> loose;
+  for (int n = 0; n < head.loose.rows; ++n) {
+    LooseRow row;
+    in.read(row);
+    in.check_whole("the bond of a loose point", row.row, from(0, static_cast<double>(table) - 1.0));
+    loose.push_back({row.row, row.tag, row.since});
+  }
   contact_.restore(in, me == 0);
   if (!in.trouble().empty()) return;
+  departures_.loose_cement().restore(head.loose.time, static_cast<std::int64_t>(head.loose.step), loose);
   discontinuities_.splits->restore(head.rows_started, std::move(copies));
   restored_nodes_.keep(std::move(rows), head.nodes);
 }

@@ -23,6 +23,9 @@ struct Sent {
 struct Connected {
   int row, slot, connected;
 };
+struct OfSlot {
+  int row, slot, value;
+};
 struct OfPath {
   int row, tag;
 };
@@ -147,6 +150,27 @@ WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& ro
   return whole;
 }
 
+// Collective. Finds a number of each point on the rank that collects its bond, and returns it to the rank of the point.
+// find(points, across) returns a number for each point. Returns by row the numbers of all slots, 0 where there is no point.
+template <class T, class Find>
+std::map<int, std::vector<T>> found_in_whole_bonds(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
+                                                   const std::vector<int>& rows, Find find) {
+  const WholeBonds whole = collect(comm, bonds, rows, options);
+  std::vector<std::vector<OfSlot>> back(ranks_of(comm));
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const std::vector<CrackPoint>& points = whole.points[n];
+    if (points.empty()) continue;
+    const std::vector<T> numbers = find(points, cells_across(bonds.table[rows[n]], options));
+    for (std::size_t k = 0; k < points.size(); ++k)
+      back[whole.sources[n][k].rank].push_back({rows[n], whole.sources[n][k].slot, numbers[k]});
+  }
+  std::map<int, std::vector<T>> found;
+  for (int row : rows)
+    if (const Bond* b = bonds.find(row)) found[row].assign(kLanes * b->points.blocks.size(), 0);
+  for (const OfSlot& p : all_to_all(comm, back).data) found[p.row][p.slot] = static_cast<T>(p.value);
+  return found;
+}
+
 }  // namespace
 
 bool Cracks::add_bonds(std::size_t rows) {
@@ -157,6 +181,12 @@ bool Cracks::add_bonds(std::size_t rows) {
     new_.push_back(static_cast<int>(registered_));
   }
   return some_are_new;
+}
+
+void Cracks::forget_cement(int row) {
+  if (static_cast<std::size_t>(row) >= states_.size()) return;
+  states_[row].broken_seen = 0.0;  // as there is nothing to be seen
+  states_[row].path.clear();
 }
 
 void Cracks::watch(const Bond& bond) {
@@ -348,20 +378,12 @@ std::vector<Cracks::LigamentReport> Cracks::find_ligaments(MPI_Comm comm, const 
 
 std::map<int, std::vector<char>> Cracks::attached_grains(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
                                                          const std::vector<int>& rows) const {
-  const WholeBonds whole = collect(comm, bonds, rows, options);
-  std::vector<std::vector<Connected>> back(ranks_of(comm));
-  for (std::size_t n = 0; n < rows.size(); ++n) {
-    const std::vector<CrackPoint>& points = whole.points[n];
-    if (points.empty()) continue;
-    const std::vector<char> connected = mpdem::attached_grains(points, cells_across(bonds.table[rows[n]], options));
-    for (std::size_t k = 0; k < points.size(); ++k)
-      back[whole.sources[n][k].rank].push_back({rows[n], whole.sources[n][k].slot, connected[k]});
-  }
-  std::map<int, std::vector<char>> found;
-  for (int row : rows)
-    if (const Bond* b = bonds.find(row)) found[row].assign(kLanes * b->points.blocks.size(), 0);
-  for (const Connected& p : all_to_all(comm, back).data) found[p.row][p.slot] = static_cast<char>(p.connected);
-  return found;
+  return found_in_whole_bonds<char>(comm, bonds, options, rows, mpdem::attached_grains);
+}
+
+std::map<int, std::vector<int>> Cracks::piece_sizes(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
+                                                    const std::vector<int>& rows) const {
+  return found_in_whole_bonds<int>(comm, bonds, options, rows, mpdem::piece_sizes);
 }
 
 void Cracks::record_failures(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows, bool residue,

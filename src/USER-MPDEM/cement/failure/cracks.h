@@ -46,6 +46,8 @@ class Cracks {
   bool broken(std::size_t row) const { return separated(row) || (row < states_.size() && states_[row].broken_at > 0); }
   void restore(std::vector<State> states) { states_ = std::move(states); }
 
+  // Call when all cement of a bond was removed. The bond is not examined any more, and stays intact unless it was broken.
+  void forget_cement(int row);
   // Marks bonds that are new or come from a restart file for examination. Returns true if some are new. Bonds of the
   // file wait for the next step that examines bonds, so that a restarted run equals an uninterrupted one.
   bool add_bonds(std::size_t rows);
@@ -80,6 +82,9 @@ class Cracks {
   // attached now, see attached_grains() of fracture/separation.h. rows: ascending, the same on all ranks.
   std::map<int, std::vector<char>> attached_grains(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
                                                    const std::vector<int>& rows) const;
+  // Collective. The same for the number of points of the piece of each point, see piece_sizes() of fracture/separation.h.
+  std::map<int, std::vector<int>> piece_sizes(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
+                                              const std::vector<int>& rows) const;
 
   // Collective. rows: bonds that carry no load from this step on, ascending. Records those as broken whose ligament is
   // less than that of the undamaged bond.

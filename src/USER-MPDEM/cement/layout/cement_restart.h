@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Records of the cement in a restart file, besides its points and grains, in this order: a version, a head, a row for
-// each bond, and rows of the split nodes. The motion of the nodes is stored with the points of their bonds
+// each bond, rows of the split nodes, and of loose points. The motion of the nodes is stored with the points of their bonds
 // (AtomVecMpdem::write_with_points), a row for each node. It is most of the data, and LIGGGHTS limits what a fix writes
 // to 2 GiB.
 #ifndef MPDEM_CEMENT_LAYOUT_CEMENT_RESTART_H
@@ -57,6 +57,19 @@ struct DamageLawSettings {
   }
 };
 
+// The clock of LooseCement (cement/step/loose_cement.h).
+struct LooseClock {
+  int rows = 0;                    // number of LooseRow that follow
+  double time = 0.0, step = -1.0;  // the time that it shows, and the step at which it does
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& c, Visitor& visit) {
+    visit("the number of loose points", c.rows, kCount);
+    visit("the clock of loose points", c.time, kNotNegative);
+    visit("the step of that clock", c.step, from(-1.0, kLargestNumber));
+  }
+};
+
 struct CementHead {
   static constexpr int kVersion = 22;
   double cell = 0.0;
@@ -80,6 +93,7 @@ struct CementHead {
   bool split = false;        // do nodes split as points fail, see fracture/phantom_nodes.h
   int rows = 0, copies = 0;  // numbers of BondRow and PhantomNodeRow that follow
   double nodes = 0.0;        // number of NodeRow on all ranks
+  LooseClock loose;
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& h, Visitor& visit) {
@@ -106,6 +120,7 @@ struct CementHead {
     visit("the sub-step of 'subcycle auto'", h.longest_substep, kNotNegative);
     visit("the density", h.density, kPositive);
     visit("the share of 'timestep auto'", h.auto_share, from(0, 1));
+    visit.part(h.loose);
   }
 };
 
@@ -160,9 +175,23 @@ struct PhantomNodeRow {
   }
 };
 
+// A point that came loose, a LooseCement::Loose (cement/step/loose_cement.h).
+struct LooseRow {
+  int row = 0, tag = 0;
+  double since = 0.0;
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& l, Visitor& visit) {
+    visit("the bond of a loose point", l.row, kCount);
+    visit("the ID of a loose point", l.tag, kCount);
+    visit("the time at which a point came loose", l.since, kNotNegative);
+  }
+};
+
 // Number of values that follow a head.
 inline std::size_t numbers_after(const CementHead& h) {
-  return static_cast<std::size_t>(kMostNumbers<BondRow>) * h.rows + static_cast<std::size_t>(kMostNumbers<PhantomNodeRow>) * h.copies;
+  return static_cast<std::size_t>(kMostNumbers<BondRow>) * h.rows + static_cast<std::size_t>(kMostNumbers<PhantomNodeRow>) * h.copies +
+         static_cast<std::size_t>(kMostNumbers<LooseRow>) * h.loose.rows;
 }
 
 }  // namespace mpdem

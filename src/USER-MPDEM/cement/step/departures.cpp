@@ -40,11 +40,12 @@ void drop_of_grain(List& list, int grain) {
 Leaving Departures::choose(const Departing& departing) {
   const std::vector<BondRecord>& table = scene_.bonds().table;
   std::vector<int> mine;
-  for (const auto* slots : {&departing.outside, &departing.deleted})
+  for (const auto* slots : {&departing.outside, &departing.deleted, &departing.dropped.slots})
     for (const auto& of_row : *slots) mine.push_back(of_row.first);
   if (!departing.grains.empty())
     for (std::size_t row = 0; row < table.size(); ++row)
       if (ends_in(table[row], departing.grains) != 0) mine.push_back(static_cast<int>(row));
+  mine.insert(mine.end(), departing.dropped.bonds.begin(), departing.dropped.bonds.end());
   sort_unique(mine);
   Leaving leaving;
   leaving.grains = departing.grains;
@@ -58,18 +59,33 @@ Leaving Departures::choose(const Departing& departing) {
     const BondRecord& record = table[rows[n]];
     const int gone = ends_in(record, departing.grains);
     const bool separated = discontinuities_.cracks.separated(rows[n]);
-    as_a_whole[n] = (deleted[n] == record.points || record.point_template > 0) && (separated || gone == 3);
+    as_a_whole[n] =
+        ((deleted[n] == record.points || record.point_template > 0) && (separated || gone == 3)) || has(departing.dropped.bonds, rows[n]);
+    if (gone != 0 && !separated && scene_.options.fragments.outside) as_a_whole[n] = 1;
     if (gone != 0 && !separated && !as_a_whole[n]) {
       leaving.joined_grain = record.grain[(gone & 1) != 0 ? 0 : 1];
       return leaving;
     }
   }
   std::map<int, std::vector<char>> held = discontinuities_.cracks.attached_grains(scene_.comm, scene_.bonds(), scene_.options, rows);
-  for (std::size_t n = 0; n < rows.size(); ++n)
+  const auto choose_points_of = [&](std::size_t n) {
     if (Bond* b = scene_.bonds().find(rows[n])) choose_points(*b, held[rows[n]], departing, as_a_whole[n], leaving);
+  };
+  for (std::size_t n = 0; n < rows.size(); ++n) choose_points_of(n);
+  std::vector<int> whole;
+  if (scene_.options.fragments.outside) whole = scene_.agreed_rows(leaving.rows_attached_outside);
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    if (!has(whole, rows[n])) continue;
+    as_a_whole[n] = 1;
+    leaving.slots.erase(rows[n]);
+    choose_points_of(n);
+  }
+  if (scene_.options.fragments.outside) leaving.attached_outside.clear();
   for (const auto& of_row : leaving.slots) leaving.rows.push_back(of_row.first);
   for (int row : rows)
     if (ends_in(table[row], departing.grains) != 0) leaving.rows.push_back(row);
+  leaving.rows.insert(leaving.rows.end(), departing.dropped.bonds.begin(), departing.dropped.bonds.end());
+  count_dropped(departing.dropped, leaving);
   sort_unique(leaving.rows);
   leaving.rows = scene_.agreed_rows(leaving.rows);
   return leaving;
@@ -107,10 +123,12 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
   for (int slot = 0; slot < static_cast<int>(held.size()); ++slot) {
     if (!(b.points.meta[slot / kLanes].occupied >> slot % kLanes & 1)) continue;
     const bool outside = has(departing.outside, b.row, slot), deleted = has(departing.deleted, b.row, slot);
+    const bool dropped = has(departing.dropped.slots, b.row, slot);
     const bool fragments = held[slot] == 0, stays = fragments ? !resolved && !goes_with_grain(slot) : (held[slot] & ~gone) != 0;
-    if (as_a_whole || (!stays && (!fragments || outside || deleted || goes_with_grain(slot)))) leaving.slots[b.row].push_back(slot);
+    if (as_a_whole || (!stays && (!fragments || outside || deleted || dropped || goes_with_grain(slot))))
+      leaving.slots[b.row].push_back(slot);
     else if (deleted) leaving.attached_deleted.push_back(b.points.tag(slot));
-    else if (outside && !fragments) leaving.attached_outside.push_back(b.points.tag(slot));
+    else if (outside && !fragments) leaving.add_attached_outside(b.row, b.points.tag(slot));
   }
   // A film belongs to both grains. In a separated bond it is a fragment, and leaves with the first grain that does.
   b.for_each_slot_of(Bond::kColumns, [&](int slot) {
@@ -118,8 +136,30 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
     if (as_a_whole || (separated && (gone != 0 || has(departing.outside, b.row, slot) || has(departing.deleted, b.row, slot))))
       leaving.slots[b.row].push_back(slot);
     else if (has(departing.deleted, b.row, slot)) leaving.attached_deleted.push_back(tag);
-    else if (has(departing.outside, b.row, slot)) leaving.attached_outside.push_back(tag);
+    else if (has(departing.outside, b.row, slot)) leaving.add_attached_outside(b.row, tag);
   });
+}
+
+// Points of a template count on the first rank.
+void Departures::count_dropped(const LooseCement::Due& dropped, Leaving& leaving) const {
+  for (const auto& [row, slots] : leaving.slots) {
+    const auto of_row = dropped.slots.find(row);
+    const bool whole = has(dropped.bonds, row);
+    if (!whole && of_row == dropped.slots.end()) continue;
+    const Bond& b = *scene_.bonds().find(row);
+    for (int slot : slots) {
+      if (!whole && !has(of_row->second, slot)) continue;
+      const int in_store = Bond::slot_in_store(slot);
+      leaving.dropped_points += 1.0;
+      leaving.dropped_volume += b.store_of(slot).blocks[in_store / kLanes].volume[in_store % kLanes];
+    }
+  }
+  for (int row : dropped.bonds) {
+    const BondRecord& record = scene_.bonds().table[row];
+    if (record.point_template == 0 || rank_in(scene_.comm) != 0) continue;
+    leaving.dropped_points += record.points;
+    leaving.dropped_volume += record.volume;
+  }
 }
 
 std::vector<Departures::Share> Departures::shares(const Leaving& leaving) const {
@@ -170,7 +210,7 @@ void Departures::add_pieces(const Pieces& pieces, double sign, EnergyBalance::Le
     };
     const CondensedBonds::Energies now = energies(0.5 * dt);
     left.energy += sign * (now.elastic + now.discrete_kinetic);
-    ahead += sign * (energies(dt).kinetic - now.discrete_kinetic);
+    if (!pieces.whole) ahead += sign * (energies(dt).kinetic - now.discrete_kinetic);
     for (int d = 0; d < 3; ++d) left.momentum[d] += sign * now.momentum[d];
   }
 }
@@ -199,6 +239,12 @@ double Departures::ahead_of_grains(const std::vector<Share>& of_rows, const std:
     }
   }
   return 0.5 * scene_.dt_last * power;
+}
+
+// The same for a condensed bond whose grains it joins, with the work of its weight.
+double Departures::ahead_of_condensed(int row) const {
+  const EnergyBalance::StepWork work = condensed_.work(scene_.grains, scene_.bonds(), scene_.weight().data(), scene_.dt_last, row, row + 1);
+  return work.now - 0.5 * work.with_velocity_before;
 }
 
 // Removes points, links and contact points from the bonds, and grains and points from the table.
@@ -249,7 +295,10 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
     left.points += share.points;
     left.mass += scene_.density() * share.volume;
   }
-  for (const Pieces& p : pieces) add_pieces(p, 1.0, left, ahead);
+  for (const Pieces& p : pieces) {
+    add_pieces(p, 1.0, left, ahead);
+    if (p.whole) ahead += ahead_of_condensed(p.row);
+  }
   const std::vector<int> tags = take_out(of_rows, leaving);
   discontinuities_.splits->remove_volume(scene_.comm, scene_.bonds(), scene_.options, leaving.rows);
   layout_manager_.move_phantom_nodes();
@@ -259,7 +308,11 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   condensed_.drop(scene_.comm, emptied, scene_.bonds(), scene_.grains);
   condensing_.condense(leaving.rows, false);
   for (const Pieces& p : pieces) add_pieces(p, -1.0, left, ahead);
+  left.dropped = leaving.dropped_points;
+  left.dropped_mass = scene_.density() * leaving.dropped_volume;
+  for (int row : emptied) discontinuities_.cracks.forget_cement(row);
   scene_.energy.leave(left);
+  loose_cement_.forget(leaving.rows);
   scene_.energy.start(0.0, {-ahead, 0.0}, {}, 0.0);  // cement leaves before the half step whose work was counted in advance
   return tags;
 }

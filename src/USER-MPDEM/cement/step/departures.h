@@ -6,6 +6,8 @@
 // when all its bonds are separated. A bond may leave as a whole when a command deleted all its points, if it is
 // separated or both its grains are deleted too.
 //
+// Besides, cement is dropped: fragments by a rule (loose_cement.h), and all cement of a bond, joined or not, by a command.
+//
 // The host reports which grains are gone, which points are outside the box, and which it deleted. choose() finds which
 // points leave, and what must not. carry_out() removes them from their bonds, lays these out again, and counts their
 // energy, momentum and mass (EnergyBalance::Left). A row of the table stays when its grains and points are gone. It
@@ -19,6 +21,7 @@
 #include "layout_manager.h"
 #include "../condensed/condensed_bonds.h"
 #include "condensing.h"
+#include "loose_cement.h"
 #include "../failure/discontinuities.h"
 #include "../bond/scene.h"
 #include "work_of_step.h"
@@ -30,15 +33,23 @@ struct Departing {
   std::vector<int> grains;                  // IDs of bonded grains that are gone, ascending, the same on all ranks
   std::map<int, std::vector<int>> outside;  // points outside the box
   std::map<int, std::vector<int>> deleted;  // points that commands or fixes deleted
+  LooseCement::Due dropped;                 // cement to be dropped: fragments, and bonds whose cement leaves as a whole
 };
 
 // What may leave of it, and what must not.
 struct Leaving {
-  std::vector<int> grains;                // those of Departing
-  std::vector<int> rows;                  // rows from which something leaves, ascending, the same on all ranks
-  std::map<int, std::vector<int>> slots;  // points that leave, of this rank
+  std::vector<int> grains;                            // those of Departing
+  std::vector<int> rows;                              // rows from which something leaves, ascending, the same on all ranks
+  std::map<int, std::vector<int>> slots;              // points that leave, of this rank
+  double dropped_points = 0.0, dropped_volume = 0.0;  // of these points that are dropped, of this rank
   int joined_grain = 0;  // a grain that must not leave, since its cement is connected to one that stays; 0: none; the same on all ranks
   std::vector<int> attached_outside, attached_deleted;  // IDs of points of this rank that must not leave for the same reason
+  std::vector<int> rows_attached_outside;               // rows of attached_outside
+
+  void add_attached_outside(int row, int tag) {
+    rows_attached_outside.push_back(row);
+    attached_outside.push_back(tag);
+  }
 };
 
 class Departures {
@@ -50,7 +61,10 @@ class Departures {
         layout_manager_(layout_manager),
         condensed_(condensed),
         condensing_(condensing),
-        work_(work) {}
+        work_(work),
+        loose_cement_(scene, divisions.cracks) {}
+
+  LooseCement& loose_cement() { return loose_cement_; }
 
   // Collective.
   Leaving choose(const Departing& departing);
@@ -72,11 +86,13 @@ class Departures {
     CondensedBonds::Ends ends[2] = {};
   };
   void choose_points(Bond& b, const std::vector<char>& held, const Departing& departing, bool as_a_whole, Leaving& leaving) const;
+  void count_dropped(const LooseCement::Due& dropped, Leaving& leaving) const;
   std::vector<Share> shares(const Leaving& leaving) const;
   void add_resolved(const Bond& b, double sign, EnergyBalance::Left& left, double& ahead) const;
   Pieces pieces_of(int row) const;
   void add_pieces(const Pieces& pieces, double sign, EnergyBalance::Left& left, double& ahead) const;
   double ahead_of_grains(const std::vector<Share>& of_rows, const std::vector<int>& grains) const;
+  double ahead_of_condensed(int row) const;
   std::vector<int> take_out(const std::vector<Share>& of_rows, const Leaving& leaving);
 
   Scene& scene_;
@@ -85,6 +101,7 @@ class Departures {
   CondensedBonds& condensed_;
   Condensing& condensing_;
   const WorkOfStep& work_;
+  LooseCement loose_cement_;
 };
 
 }  // namespace mpdem

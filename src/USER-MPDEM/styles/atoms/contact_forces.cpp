@@ -4,13 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <string>
 #include <utility>
 
 #include "../../numerics/sort_unique.h"
 #include "atom.h"
 #include "comm.h"
 #include "compute_pair_gran_local.h"
+#include "fix_property_atom.h"
 #include "force.h"
+#include "modify.h"
 #include "pair_gran.h"
 #include "update.h"
 
@@ -18,26 +22,45 @@ namespace mpdem {
 
 using namespace LAMMPS_NS;
 
+// Members of LIGGGHTS' FixWallGran by their symbols, since its header includes files that installed LIGGGHTS lacks.
+void evaluate_wall(FixWallGran*) __asm__("_ZN9LAMMPS_NS11FixWallGran14post_force_pglEv");
+void register_compute(FixWallGran*, ComputePairGranLocal*,
+                      int&) __asm__("_ZN9LAMMPS_NS11FixWallGran27register_compute_wall_localEPNS_20ComputePairGranLocalERi");
+void unregister_compute(FixWallGran*, ComputePairGranLocal*) __asm__(
+    "_ZN9LAMMPS_NS11FixWallGran29unregister_compute_wall_localEPNS_20ComputePairGranLocalE");
+
+// A contact of two atoms of this rank, or of one with a ghost: the force on the first one.
+struct HeardPair {
+  int i, j;
+  double force[3];
+};
+// A contact with a wall. normal: unit vector from the grain to the wall, distance: of its centre from the wall.
+struct HeardWall {
+  int i;
+  double force[3], distance;
+  const double* normal;
+};
+
 class ContactForces::Listener : public ComputePairGranLocal {
  public:
   Listener(LAMMPS* lmp, int next, int words, char** word) : ComputePairGranLocal(lmp, next, words, word) {}
 
   void add_pair(int i, int j, double fx, double fy, double fz, double, double, double, double*, const double*) override {
-    if (is_of_other_rank(i, j) || !(has_cement(i) || has_cement(j))) return;
-    const double square = fx * fx + fy * fy + fz * fz;
-    if (square == 0.0) return;
-    heard.sum += std::sqrt(square);
-    heard.number += 1.0;
+    if (fx * fx + fy * fy + fz * fz > 0.0) on_pair({i, j, {fx, fy, fz}});
+  }
+  void add_wall_1(int, int, int, double*, double*) override {}
+  void add_wall_2(int i, double fx, double fy, double fz, double, double, double, double*, double square, double* normal) override {
+    on_wall({i, {fx, fy, fz}, std::sqrt(square), normal});
   }
   void pair_finalize() override {}
-
-  Report::Magnitudes heard;
-  std::vector<int> tags;  // of grains that have cement, ascending
-
- private:
   // Without `newton on` both ranks of a contact find it. LIGGGHTS' own tables count it on this one.
-  bool is_of_other_rank(int i, int j) const { return !force->newton_pair && j >= atom->nlocal && atom->tag[i] <= atom->tag[j]; }
-  bool has_cement(int i) const { return std::binary_search(tags.begin(), tags.end(), atom->tag[i]); }
+  bool is_of_other_rank(const HeardPair& p) const { return !force->newton_pair && p.j >= atom->nlocal && atom->tag[p.i] <= atom->tag[p.j]; }
+
+  // The wall to which a compute of the script listens, or null.
+  static FixWallGran* wall_of(const ComputePairGranLocal& other) { return other.*(&Listener::fixwall); }
+
+  std::function<void(const HeardPair&)> on_pair;
+  std::function<void(const HeardWall&)> on_wall;
 };
 
 // LIGGGHTS refuses such a compute after the first step, since histories might lack values that it requests. This one
@@ -53,17 +76,10 @@ ContactForces::ContactForces(LAMMPS* lmp) : lmp_(lmp) {
 
 ContactForces::~ContactForces() = default;
 
-Report::Magnitudes ContactForces::of_bonded(const std::vector<BondRecord>& table) {
+void ContactForces::listen_to_pairs() {
   Force& force = *lmp_->force;
   PairGran* const contacts = force.pair ? static_cast<PairGran*>(force.pair_match("gran", 0)) : nullptr;
-  if (!contacts || !contacts->cplenable()) return {};
-  std::vector<int>& tags = listener_->tags;
-  tags.clear();
-  for (const BondRecord& b : table)
-    for (int s = 0; s < 2; ++s)
-      if (b.has_grain(s)) tags.push_back(b.grain[s]);
-  sort_unique(tags);
-  listener_->heard = {};
+  if (!contacts || !contacts->cplenable()) return;
   lmp_->comm->forward_comm();  // ghosts have velocities half a step old, so dashpots would depend on the number of ranks
   ComputePairGranLocal* const of_script = contacts->cpl();
   int unused;
@@ -72,7 +88,75 @@ Report::Magnitudes ContactForces::of_bonded(const std::vector<BondRecord>& table
   contacts->compute_pgl(0, 0);
   contacts->unregister_compute_pair_local(listener_.get());
   if (of_script) contacts->register_compute_pair_local(of_script, unused);
-  return listener_->heard;
+}
+
+// LIGGGHTS then overwrites what `store_force` keeps of a wall with zeros, so it is put back.
+void ContactForces::listen_to_walls() {
+  Modify& modify = *lmp_->modify;
+  for (int n = 0; n < modify.nfix; ++n) {
+    if (std::strncmp(modify.fix[n]->style, "wall/gran", 9) != 0) continue;
+    FixWallGran* const wall = reinterpret_cast<FixWallGran*>(modify.fix[n]);
+    const int stored = modify.find_fix((std::string("force_") + modify.fix[n]->id).c_str());
+    const FixPropertyAtom* const store = stored < 0 ? nullptr : dynamic_cast<FixPropertyAtom*>(modify.fix[stored]);
+    double** const kept = store ? store->array_atom : nullptr;
+    std::vector<double> forces;
+    for (int i = 0; kept && i < lmp_->atom->nlocal; ++i) forces.insert(forces.end(), kept[i], kept[i] + 3);
+    ComputePairGranLocal* of_script = nullptr;
+    for (int c = 0; c < modify.ncompute; ++c) {
+      ComputePairGranLocal* const compute = dynamic_cast<ComputePairGranLocal*>(modify.compute[c]);
+      if (compute && Listener::wall_of(*compute) == wall) of_script = compute;
+    }
+    int unused;
+    if (of_script) unregister_compute(wall, of_script);
+    register_compute(wall, listener_.get(), unused);
+    evaluate_wall(wall);
+    unregister_compute(wall, listener_.get());
+    if (of_script) register_compute(wall, of_script, unused);
+    for (int i = 0; kept && i < lmp_->atom->nlocal; ++i) std::copy(&forces[3 * i], &forces[3 * i] + 3, kept[i]);
+  }
+}
+
+Report::Magnitudes ContactForces::of_bonded(const std::vector<BondRecord>& table) {
+  std::vector<int> tags;
+  for (const BondRecord& b : table)
+    for (int s = 0; s < 2; ++s)
+      if (b.has_grain(s)) tags.push_back(b.grain[s]);
+  sort_unique(tags);
+  const auto has_cement = [&](int i) { return std::binary_search(tags.begin(), tags.end(), lmp_->atom->tag[i]); };
+  Report::Magnitudes heard = {};
+  listener_->on_pair = [&](const HeardPair& p) {
+    if (listener_->is_of_other_rank(p) || !(has_cement(p.i) || has_cement(p.j))) return;
+    heard.sum += std::sqrt(p.force[0] * p.force[0] + p.force[1] * p.force[1] + p.force[2] * p.force[2]);
+    heard.number += 1.0;
+  };
+  listen_to_pairs();
+  return heard;
+}
+
+void ContactForces::add_virials(GrainVirial& virial) {
+  Atom& atom = *lmp_->atom;
+  const bool both_ranks = !lmp_->force->newton_pair;  // do both ranks of a contact find it?
+  listener_->on_pair = [&](const HeardPair& p) {
+    const int atoms[] = {p.i, p.j};
+    for (int s = 0; s < 2; ++s) {
+      if (both_ranks && atoms[s] >= atom.nlocal) continue;
+      const int here = atoms[s], other = atoms[1 - s];
+      const double share = atom.radius[here] / (atom.radius[here] + atom.radius[other]);
+      double force[3], arm[3];
+      for (int d = 0; d < 3; ++d) {
+        force[d] = s == 0 ? p.force[d] : -p.force[d];
+        arm[d] = share * (atom.x[other][d] - atom.x[here][d]);
+      }
+      virial.add(atom.tag[here], force, arm);
+    }
+  };
+  listener_->on_wall = [&](const HeardWall& w) {
+    double arm[3];
+    for (int d = 0; d < 3; ++d) arm[d] = w.distance * w.normal[d];
+    virial.add(atom.tag[w.i], w.force, arm);
+  };
+  listen_to_pairs();
+  listen_to_walls();
 }
 
 }  // namespace mpdem

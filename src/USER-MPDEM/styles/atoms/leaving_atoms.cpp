@@ -201,8 +201,9 @@ void LeavingAtoms::stop_if_wrong(const Leaving& leaving, bigint of_all, double c
                 "goes with it"));
 }
 
-void LeavingAtoms::remove(const std::vector<int>& tags) {
-  bigint mine[2] = {static_cast<bigint>(tags.size()), 0}, all[2];  // points, and how many of them still have an atom
+void LeavingAtoms::remove(const std::vector<int>& tags, double dropped) {
+  enum { kPoints, kAtoms, kDropped, kSums };  // points, how many of them still have an atom, and how many are dropped
+  bigint mine[kSums] = {static_cast<bigint>(tags.size()), 0, static_cast<bigint>(dropped)}, all[kSums];
   for (int tag : tags) {
     const int i = local_atom(*atom, tag);
     if (i < 0) continue;
@@ -210,20 +211,25 @@ void LeavingAtoms::remove(const std::vector<int>& tags) {
     atom->avec->copy(last, i, 1);
     if (last != i) atom->map_one(atom->tag[i], i);
     atom->map_one(tag, -1);
-    ++mine[1];
+    ++mine[kAtoms];
   }
-  MPI_Allreduce(mine, all, 2, MPI_LMP_BIGINT, MPI_SUM, world);
-  atom->natoms -= all[1];
-  if (all[1] > 0 && atom->map_style) {
+  MPI_Allreduce(mine, all, kSums, MPI_LMP_BIGINT, MPI_SUM, world);
+  atom->natoms -= all[kAtoms];
+  if (all[kAtoms] > 0 && atom->map_style) {
     atom->nghost = 0;
     atom->map_init();
     atom->map_set();
   }
   outside_.clear();
-  if (all[0] > 0 && !reported_flag_) {
+  if (all[kDropped] > 0 && !dropped_reported_) {
+    dropped_reported_ = true;
+    tell(lmp, text_of(who_, all[kDropped], " points of cement were dropped at step ", update->ntimestep,
+                      "; later ones are counted, and told when the run ends\n"));
+  }
+  if (all[kPoints] > all[kDropped] && !reported_flag_) {
     reported_flag_ = true;
-    tell(lmp, text_of(who_, all[0], " points of cement left the scene at step ", update->ntimestep,
-                      ", since they hold to no grain that stays; later ones are counted, not told\n"));
+    tell(lmp, text_of(who_, all[kPoints] - all[kDropped], " points of cement left the scene at step ", update->ntimestep,
+                      "; later ones are counted, and told when the run ends\n"));
   }
 }
 

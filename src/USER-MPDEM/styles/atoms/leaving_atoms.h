@@ -42,8 +42,9 @@ class LeavingAtoms : protected LAMMPS_NS::Pointers {
   // Collective. Stops if a leaving grain or point is joined to a grain that stays, or is so fast that the motion must
   // be unstable. of_all: number of all points. dt: time step of the cement.
   void stop_if_wrong(const Leaving& leaving, LAMMPS_NS::bigint of_all, double cell, double dt) const;
-  // Collective. Deletes the atoms of these points of this rank, unless a command did.
-  void remove(const std::vector<int>& tags);
+  // Collective. Deletes the atoms of these points of this rank, unless a command did. dropped: how many of them are dropped
+  // (Leaving::dropped_points).
+  void remove(const std::vector<int>& tags, double dropped);
 
   // Advice on an atom outside of the box, depending on its speed.
   std::string flight(int i, double cell, double dt) const;
@@ -58,7 +59,7 @@ class LeavingAtoms : protected LAMMPS_NS::Pointers {
 
   std::string who_;
   std::vector<Outside> outside_;
-  bool reported_flag_ = false;
+  bool reported_flag_ = false, dropped_reported_ = false;
 };
 
 }  // namespace mpdem

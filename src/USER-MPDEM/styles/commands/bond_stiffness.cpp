@@ -32,7 +32,7 @@ void BondStiffness::command(int narg, char** arg) {
   const std::string name = args.word("a file name");
   if (!args.empty()) args.complain("'" + args.word("") + "' is one word too many; the form is 'bond_stiffness FILE'");
   if (avec->bonds.table.empty()) args.complain("there is no cement; use create_cement before");
-  FixMpm* cement = find_cement();
+  FixMpm* cement = FixMpm::of(*modify);
   if (!cement) args.complain("there is no fix mpm, which has the elasticity and the cell; define one before");
   lmp->init();
   if (!cement->is_coupled()) args.complain("there is no fix mpm/couple, so that the cement bonds nothing; define one before");
@@ -45,12 +45,6 @@ void BondStiffness::command(int narg, char** arg) {
   for (const mpdem::StiffnessOfBond& b : bonds) products += b.products;
   mpdem::tell(lmp, text_of("bond_stiffness: ", bonds.size(), " bonds, ", solved, " solved, others are equal to one of these, ", products,
                            " products, ", MPI_Wtime() - start, " s", "\n"));
-}
-
-FixMpm* BondStiffness::find_cement() const {
-  for (int i = 0; i < modify->nfix; ++i)
-    if (FixMpm* fix = dynamic_cast<FixMpm*>(modify->fix[i])) return fix;
-  return nullptr;
 }
 
 // Call it on the first rank. Returns an error message, or an empty text.

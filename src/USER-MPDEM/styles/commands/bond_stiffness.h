@@ -28,7 +28,6 @@ class BondStiffness : protected Pointers {
   void command(int narg, char** arg);
 
  private:
-  class FixMpm* find_cement() const;
   std::string write(const std::string& name, const std::vector<mpdem::StiffnessOfBond>& bonds) const;
 };
 

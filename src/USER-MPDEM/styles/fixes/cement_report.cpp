@@ -328,6 +328,9 @@ void CementReport::times(Cement& c, bigint points) {
   text += if_quasistatic(
       o, text_of("\n  quasistatic: kinetic share of the energy ", now.kinetic_share, ", unbalanced force ", now.unbalanced_force));
   tell(lmp_, text + "\n");
+  if (now.left.points > 0.0)
+    tell(lmp_, text_of(who_, now.left.points, " points of cement with a mass of ", now.left.mass, " have left the scene so far, ",
+                       now.left.dropped, " of them with a mass of ", now.left.dropped_mass, " were dropped\n"));
   constexpr double kMostImbalance = 0.02;
   if (c.penalty() && std::fabs(now.imbalance) > kMostImbalance)
     mpdem::warn(

@@ -260,6 +260,7 @@ void FixMpm::setup(int) {
   report_->forget();
   write_point_atoms();
   watch_outside();
+  watch_loose();
   mpdem::gather_into_huge_pages();
   watch_->start_run(*cement_, totals().failed > 0.0);
   report_->start_timing(*cement_);
@@ -347,6 +348,7 @@ void FixMpm::end_of_step() {
     write_point_atoms();
     watch_outside();
   }
+  if (check_due) watch_loose();
   if (check_due && ranks_.is_uneven(*avec_)) {
     if (!shown) write_point_atoms();
     if (ranks_.find_homes(*avec_)) next_reneighbor = update->ntimestep + 1;
@@ -432,28 +434,10 @@ void FixMpm::write_point_atoms() {
   ranks_.true_positions_shown();
 }
 
-// Attached cement must not be beyond a face of the box. Fragments leave in the step after a check, so that results do
-// not depend on where a run is divided.
-void FixMpm::watch_outside() {
-  if (!leaving_.some_are_outside()) return;
-  if (update->ntimestep % cement_->options().check_every == 0) next_reneighbor = update->ntimestep + 1;
-  guarded([this] {
-    leaving_.stop_if_wrong(cement_->departures().choose(leaving_.outside()), mpdem::points_made(*avec_), cell(), cement_->dt());
-  });
-}
-
-// Call it before LIGGGHTS exchanges atoms, while true positions are shown.
-void FixMpm::remove_leaving(bool points_too) {
-  if (!cement_->built()) return;
-  const std::optional<mpdem::Departing> departing = leaving_.find(*avec_, points_too);
-  if (!departing) return;
-  guarded([&] {
-    const mpdem::Leaving leaving = cement_->departures().choose(*departing);
-    leaving_.stop_if_wrong(leaving, mpdem::points_made(*avec_), cell(), cement_->dt());
-    if (leaving.rows.empty()) return;
-    leaving_.remove(cement_->departures().carry_out(leaving));
-    report_->forget();
-  });
+FixMpm* FixMpm::of(const Modify& modify) {
+  for (int i = 0; i < modify.nfix; ++i)
+    if (FixMpm* fix = dynamic_cast<FixMpm*>(modify.fix[i])) return fix;
+  return nullptr;
 }
 
 double FixMpm::compute_scalar() {

@@ -78,6 +78,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   const mpdem::CementTotals& totals_with_contacts() { return report_->totals_with_contacts(*cement_); }
   const std::vector<mpdem::BondState>& bonds() { return report_->bonds(*cement_); }
   const std::vector<mpdem::BondState>& loads() { return report_->loads(*cement_); }
+  // Collective, and once for each force. Adds the forces of the bonds on their grains.
+  void add_virials(mpdem::GrainVirial& virial) { cement_->report().add_virials(loads(), virial); }
   // Returns `intact`, `debonding`, `internal` or `mixed`.
   std::string failure_mode(int row) const { return cement_->cracks().mode(static_cast<std::size_t>(row)); }
 
@@ -100,6 +102,10 @@ class FixMpm : public Fix, private mpdem::CementHost {
   int substeps() const { return step_->substeps(options()); }
   // Collective. Call it after init() of all fixes. Needs a coupling, but no run.
   std::vector<mpdem::StiffnessOfBond> stiffness_of_bonds();
+  // Collective, between runs. Removes all cement of these bonds, ascending, and counts it as dropped.
+  void delete_bonds(const std::vector<int>& rows);
+  // The fix mpm of the script, or null.
+  static FixMpm* of(const Modify& modify);
   bool is_coupled() const { return cement_->penalty().has_value(); }
 
  private:
@@ -121,7 +127,9 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void write_point_atoms();
   void show_homes(bool for_run);
   void watch_outside();
+  void watch_loose();
   void remove_leaving(bool points_too);
+  void remove(const mpdem::Departing& departing);
   void check_positions();
   void check_unprepared();
   mpdem::HostView host() const { return {lmp, who(), avec_, this, cement_.get(), points_are_wanted()}; }

@@ -187,6 +187,32 @@ void take_condense(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
     args.complain(text_of("'condense ... wake ", o.activation_share, "': share of the threshold of the damage, must lie in (0, 1]"));
 }
 
+constexpr int kMostFragment = 1000000000;  // points
+
+void take_fragments(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
+  FragmentRule& rule = w.options.fragments;
+  rule.drop = args.choice("fragments", {"keep", "drop"}) == "drop";
+  if (!rule.drop) return;
+  rule.bonds = args.accept("bonds");
+  for (;;) {
+    if (args.accept("age")) {
+      args.once("age", "fragments");
+      rule.age = args.not_negative("fragments drop age");
+    } else if (args.accept("size")) {
+      args.once("size", "fragments");
+      rule.below_points = args.integer("fragments drop size", 1, kMostFragment);
+    } else if (args.accept("share")) {
+      args.once("share", "fragments");
+      rule.below_share = args.between("fragments drop share", 0.0, 1.0, "share of the points of the bond");
+    } else {
+      break;
+    }
+  }
+  if (rule.bonds && (rule.below_points > 0 || rule.below_share > 0.0))
+    args.complain(
+        "'fragments drop bonds' drops all cement of a separated bond, so 'size' and 'share' do not go with it; leave them out, or 'bonds'");
+}
+
 const std::vector<ScriptKeyword>& fix_mpm_keywords() {
   static const std::vector<ScriptKeyword> all = {
       {"cell", "length", "", [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.cell = args.positive(k.name); }},
@@ -226,6 +252,9 @@ const std::vector<ScriptKeyword>& fix_mpm_keywords() {
       {"skip", "undamaged, failed, resting or all, then yes or no", "all yes", take_skip, true},  // once for each thing to skip
       {"check", "N", "100",
        [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.check_every = args.integer(k.name, 1); }},
+      {"fragments", "keep or drop [bonds] [age T] [size N] [share X]", "keep", take_fragments},
+      {"outside", "stop or drop", "stop",
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.fragments.outside = k.is(args, "drop"); }},
       {"events", "file", "",
        [](Arguments& args, const ScriptKeyword&, ScriptOptions& w) { w.events = args.word("a file name for 'events'"); }},
   };
