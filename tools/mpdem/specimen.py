@@ -167,7 +167,7 @@ class Load(Stage):
             f"{test if kind == 'drained' else kind}{f'_{content:g}' if cemented else ''}{confined}",
             "in.load",
             (below,),
-            below.cost * (5.0 if test == "tension" else 30.0 if cemented else 3.0) * (max(strain / 1e-3, 1.0) if strain and test != "tension" else 1.0),
+            below.cost * (5.0 if test == "tension" else 30.0 if cemented else 0.03) * (max(strain / 1e-3, 1.0) if strain and test != "tension" else 1.0),
             extra,
             own,
         )
@@ -354,7 +354,9 @@ def pressure_off(c, rows):
 def results(folder, load):
     c = Curve(folder, load.test, load.pressure, load.arguments.get("young"))
     t, k = c.table, c.peak
-    cement = {**NO_CEMENT, **(runner.finished(os.path.dirname(folder), load.needs[0]) if load.kind != "uncemented" else {})}
+    cement = NO_CEMENT if load.kind == "uncemented" else runner.finished(os.path.dirname(folder), load.needs[0])
+    if cement is None:
+        raise Trouble(f"{folder}: the scripts changed while it ran; run again")
     whole, fabric = response.write(folder)
     top, end_q = int(np.argmax(whole["q"])), whole["axial_strain"] >= whole["axial_strain"][-1] - 0.05 * np.ptp(whole["axial_strain"])
     rising = (c.stress - load.pressure)[: k + 1]
