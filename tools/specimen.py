@@ -230,7 +230,7 @@ def main():
     run.make_folder(out)
     all_runs, stopped = (None, False) if args.redraw else runner.make_runs(args, out, runs)
     rows = specimen.write(os.path.join(out, "specimen.csv"), runs, out, needs_rows=args.redraw)
-    names = ["specimen.csv"] + (draw(out, rows, reference, tell(rows, reference)) if rows else [])
+    names = ["specimen.csv"] + ["waves.csv"] * bool(args.waves and rows) + (draw(out, rows, reference, tell(rows, reference)) if rows else [])
     print(f"written to {args.out}: {', '.join(names)}")
     if all_runs:
         runner.tell_end("specimen.py", all_runs, stopped)

@@ -20,6 +20,24 @@ def name_of(load):
     return f"{100 * load.of_all:.3g} % calcite" if load.of_all else "no cement"
 
 
+def residual(ax, items):
+    """An inset with the stress after a high peak."""
+    r = items[0][1]
+    top = int(np.argmax(r["q"]))
+    after = r["axial_strain"] > 2 * r["axial_strain"][top]
+    if not after.any() or r["q"][after].mean() > 0.3 * r["q"][top]:
+        return
+    inset = ax.inset_axes((0.34, 0.22, 0.62, 0.46))
+    for (_, r, _), colour in zip(items, COLOURS):
+        inset.plot(100 * r["axial_strain"], 1e-3 * smooth(r["q"], 2 * (len(r["q"]) // 400) + 1), color=colour, lw=0.8)
+    high = 2.0e-3 * np.percentile(items[0][1]["q"][after], 90)
+    inset.set_xlim(0.0, max(100 * r["axial_strain"].max() for _, r, _ in items))
+    inset.set_ylim(0.0, max(high, 1e-6))
+    inset.set_title("the same, after the peak", fontsize=6, pad=2)
+    inset.tick_params(labelsize=6)
+    inset.grid(True, lw=0.3, color="0.9")
+
+
 def response(path, items):
     """items: (load, response, fabric); the first one is drawn with all that is known, another one beside it."""
     first = items[0][0]
@@ -38,10 +56,11 @@ def response(path, items):
             volume.plot(e, 100 * r["volume_strain"], color=colour, lw=1.0, label=name_of(load))
         x = 100 * f["axial_strain"]
         more = f"{name_of(load)}: " if len(items) > 1 else ""
-        contacts.plot(x, f["coordination"], color=colour, lw=1.0, label=f"{more}touching beads")
+        some = 1 if first.kind == "cyclic" else 2 * (len(x) // 100) + 1
+        contacts.plot(x, smooth(f["coordination"], some), color=colour, lw=1.0, label=f"{more}touching beads")
         if load.kind != "uncemented":
-            contacts.plot(x, f["coordination_with_bonds"], color=colour, lw=0.8, ls="--", label=f"{more}touching or joined by cement")
-        contacts.plot(x, 2 * f["new_contacts"] / f["beads"], color=colour, lw=0.8, ls=":", label=f"{more}new touching beads")
+            contacts.plot(x, smooth(f["coordination_with_bonds"], some), color=colour, lw=0.8, ls="--", label=f"{more}touching or joined by cement")
+        contacts.plot(x, smooth(2 * f["new_contacts"] / f["beads"], some), color=colour, lw=0.8, ls=":", label=f"{more}new touching beads")
     r = items[0][1]
     e = 100 * r["axial_strain"]
     if first.kind != "uncemented":
@@ -60,14 +79,17 @@ def response(path, items):
     contacts.set_ylabel("contacts a bead")
     kinds = {"drained": "drained", "undrained": "undrained, the volume stays", "cyclic": "cyclic", "uncemented": "drained"}
     stress.set_title(f"triaxial, {1e-3 * first.pressure:.4g} kPa on the sides, {kinds[first.kind]}", loc="left")
+    if first.kind != "cyclic":
+        stress.set_ylim(0.0, None)
+        residual(stress, items)
+    bonds.set_ylim(0.0, 1.25 * max(bonds.get_ylim()[1], 1.0))
+    contacts.set_ylim(0.0, 1.6 * contacts.get_ylim()[1])
     for ax in axes.flat:
         ax.grid(True, lw=0.3, color="0.9")
         if first.kind != "cyclic":
-            ax.set_xlim(0.0, None)
+            ax.set_xlim(0.0, max(100 * r["axial_strain"].max() for _, r, _ in items))
         if ax.get_legend_handles_labels()[0]:
-            ax.legend(frameon=False, fontsize=6.5)
-    for ax in (stress, bonds, contacts):
-        ax.set_ylim(0.0 if first.kind != "cyclic" or ax is not stress else None, None)
+            ax.legend(frameon=False, fontsize=6, loc="upper right" if ax is stress else "upper left")
     for ax in axes[1]:
         ax.set_xlabel("axial strain (%)")
     fig.tight_layout()

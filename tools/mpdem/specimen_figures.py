@@ -149,7 +149,8 @@ def strengths(path, items, reference, line):
         ax.set_xlabel("calcite of the beads (%)" + ("\nhollow: before an early failure" if hollow and ax is axes[0] else ""))
         ax.set_xlim(0.0, None)
         ax.set_ylim(0.0, None)
-        ax.legend(frameon=False)
+        if ax.get_legend_handles_labels()[0]:
+            ax.legend(frameon=False)
     circles(
         axes[2],
         [(r["pressure"], r["strength"]) for load, r, _ in items if load.test == "compression" and load.content == reference],
