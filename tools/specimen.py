@@ -4,13 +4,14 @@
 """Pours a specimen of beads, cements it, and breaks it: compression, direct tension, triaxial compression.
 
     tools/specimen.py OUT
-    tools/specimen.py OUT --beads 50 --contents 0.006 --pressures 2e5
+    tools/specimen.py OUT --calcite 0.025 --tests '' --pressures 5e4 --strain 0.05 --confined drained,uncemented --waves 0,0.01
     tools/specimen.py OUT --redraw
 
 Runs the scripts of examples/specimen: in.pour once, in.cement once for each content, in.load for each content in
-compression and in tension, and for each confining pressure at one content. Leaves specimen.csv and figures in OUT, and
-prints cohesion and friction angle. Called again it goes on where it was stopped: finished runs are kept, others are run
-from the start. --redraw runs nothing. Needs Debian's python3-numpy and python3-matplotlib.
+compression and in tension, and for each confining pressure at one content; in.wave at marks of these. Leaves
+specimen.csv, waves.csv and figures in OUT, and prints cohesion and friction angle. Called again it goes on where it was
+stopped: finished runs are kept, loadings go on from their last checkpoint. --redraw runs nothing. Needs Debian's
+python3-numpy and python3-matplotlib.
 """
 import argparse
 import os
@@ -19,7 +20,7 @@ import sys
 sys.dont_write_bytecode = True  # leave the source tree as it is
 
 try:
-    from mpdem import run, runner, specimen
+    from mpdem import response, run, runner, specimen
 except ImportError as missing:
     sys.exit(
         f"specimen.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
@@ -39,14 +40,41 @@ def positive(text):
     return found
 
 
+def strain(text):
+    found = positive(text)
+    if len(found) != 1 or found[0] >= 0.5:
+        raise argparse.ArgumentTypeError(f"{text}: must be a number above 0, below 0.5")
+    return found[0]
+
+
+def strains(text):
+    """Numbers from 0 on."""
+    return [0.0 if t.strip() in ("0", "0.0") else positive(t)[0] for t in text.split(",") if t.strip()]
+
+
 def arguments():
     p = argparse.ArgumentParser(description="Pours a specimen of beads, cements it, and breaks it.")
     p.add_argument("out", metavar="OUT", help="folder of the runs, specimen.csv and the figures")
     p.add_argument("--beads", metavar="N", type=beads, default=80, help="number of beads (80), 10 or more")
-    p.add_argument("--contents", metavar="C,D", type=positive, default=[0.003, 0.006, 0.012], help="mass of the cement of a bond over that of its two beads")
+    amount = p.add_mutually_exclusive_group()
+    amount.add_argument("--calcite", metavar="C,D", type=positive, help="mass of the cement over that of all beads, as laboratories give it")
+    amount.add_argument(
+        "--contents",
+        metavar="C,D",
+        type=positive,
+        default=[0.003, 0.006, 0.012],
+        help="mass of the cement of a bond over that of its two beads (0.003,0.006,0.012)",
+    )
     p.add_argument("--pressures", metavar="P,Q", type=positive, default=[1.25e4, 2.5e4, 5e4], help="on the sides, Pa (1.25e4,2.5e4,5e4); none: ''")
-    p.add_argument("--at", metavar="C", type=float, help="content at which the sides are pressed (default: the middle one)")
-    p.add_argument("--tests", metavar="A,B", default="compression,tension", help="unconfined tests, compression and tension")
+    p.add_argument("--at", metavar="C", type=float, help="amount of cement at which the sides are pressed (default: the middle one)")
+    p.add_argument("--tests", metavar="A,B", default="compression,tension", help="unconfined tests: compression and tension; none: ''")
+    p.add_argument(
+        "--confined", metavar="A,B", default="drained", help="tests at each pressure: drained (default), undrained (the volume stays), cyclic, uncemented"
+    )
+    p.add_argument("--strain", metavar="E", type=strain, help="axial strain at which compression ends (default: after the peak)")
+    p.add_argument(
+        "--waves", metavar="E,F", type=strains, default=[], help="axial strains at which the drained tests get their wave speeds; 0: before the plate moves"
+    )
     p.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a variable of the scripts")
     p.add_argument("--redraw", action="store_true", help="run nothing, draw what is finished")
     runner.add_arguments(p, os.path.join(ROOT, "build", "liggghts-mpdem"))
@@ -56,8 +84,8 @@ def arguments():
 def variables(words):
     """NAME=VALUE as a dict; names that no script has are refused."""
     known = sorted(
-        {v for s in ("beads.in", "in.pour", "in.cement", "in.load") for v in specimen.variables_of(os.path.join(specimen.FOLDER, s))}
-        - {"here", "poured", "cemented", "beads", "content", "test", "pressure", "start", "loaded"}
+        {v for s in ("beads.in", "in.pour", "in.cement", "in.load", "in.wave") for v in specimen.variables_of(os.path.join(specimen.FOLDER, s))}
+        - {"here", "poured", "cemented", "beads", "content", "calcite", "test", "pressure", "start", "loaded", "after", "resume", "sides", "ends", "marks"}
     )
     found = {}
     for word in words:
@@ -76,38 +104,70 @@ def plan(args):
     for test in tests:
         if test not in ("compression", "tension"):
             raise run.Trouble(f"--tests {test}: must be compression or tension")
-    contents = sorted(args.contents)
+    confined = [k for k in args.confined.split(",") if k]
+    for kind in confined:
+        if kind not in specimen.KINDS:
+            raise run.Trouble(f"--confined {kind}: must be drained, undrained, cyclic or uncemented")
+    if args.waves and (args.strain is None or max(args.waves) > args.strain or "drained" not in confined or not args.pressures):
+        raise run.Trouble("--waves: needs --strain, not below the largest of them, and drained tests at a pressure")
+    contents = sorted(args.calcite or args.contents)
     if args.at is not None and not 0.0 < args.at < 1.0:
         raise run.Trouble(f"--at {args.at}: must be above 0 and below 1")
     reference = contents[len(contents) // 2] if args.at is None else args.at
     poured = specimen.Pour(args.beads, extra)
-    cements = {c: specimen.Cement(c, poured, extra) for c in sorted({*contents, reference})}
-    loads = [specimen.Load(test, c, 0.0, cements[c], extra) for c in contents for test in tests]
-    loads += [specimen.Load("compression", reference, p, cements[reference], extra) for p in sorted(args.pressures)]
+    cements = {c: specimen.Cement(c, poured, extra, bool(args.calcite)) for c in sorted({*contents, reference})}
+    loads = [specimen.Load(test, c, 0.0, cements[c], extra, strain=args.strain) for c in contents for test in tests]
+    for p in sorted(args.pressures):
+        for kind in confined:
+            below = poured if kind == "uncemented" else cements[reference]
+            loads.append(specimen.Load("compression", reference, p, below, extra, kind, args.strain, args.waves if kind == "drained" else ()))
     used = {n.label for load in loads for n in load.needs}
-    return [poured, *(c for c in cements.values() if c.label in used), *loads], reference
+    measured = [specimen.Wave(e, load, extra) for load in loads if load.pressure and load.kind == "drained" for e in sorted(args.waves)]
+    return [poured, *(c for c in cements.values() if c.label in used), *loads, *measured], reference
 
 
 def draw(out, rows, reference, line):
     from mpdem import specimen_figures as figures
 
     items = [(load, r, specimen.Curve(os.path.join(out, load.label), load.test, load.pressure, load.arguments.get("young"))) for load, r in rows]
-    names, roses = ["curves.png", "awake.png", "strength.png", "rose.png"], []
-    figures.curves(os.path.join(out, "curves.png"), items, reference)
-    figures.awake(os.path.join(out, "awake.png"), items)
-    figures.strengths(os.path.join(out, "strength.png"), items, reference, line)
+    names, roses = [], []
+    usual = [i for i in items if i[0].kind == "drained"]
+    if usual:
+        figures.curves(os.path.join(out, "curves.png"), usual, reference)
+        figures.awake(os.path.join(out, "awake.png"), usual)
+        figures.strengths(os.path.join(out, "strength.png"), usual, reference, line)
+        names += ["curves.png", "awake.png", "strength.png"]
     confined = [i for i in items if i[0].pressure]
     if confined:
-        figures.pressures(os.path.join(out, "pressure.png"), confined)
-        names.append("pressure.png")
-    for load, _, curve in items:
+        drained = [i for i in confined if i[0].kind in ("drained", "cyclic")]
+        if drained:
+            figures.pressures(os.path.join(out, "pressure.png"), drained)
+            names.append("pressure.png")
+        names += respond(out, confined)
+    for load, _, curve in (i for i in items if i[0].kind != "uncemented"):
         folder = os.path.join(out, load.label)
         bonds, beads = specimen.bonds_at(folder), specimen.beads_at(folder)
         figures.energy(os.path.join(out, f"energy_{load.label}.png"), load, curve)
         figures.bonds_in_space(os.path.join(out, f"bonds_{load.label}.png"), load, curve, bonds, beads)
         names += [f"energy_{load.label}.png", f"bonds_{load.label}.png"]
         roses.append((load, bonds[min(bonds)], bonds[max(bonds)], beads[min(beads)]))
-    figures.rose(os.path.join(out, "rose.png"), roses)
+    if roses:
+        figures.rose(os.path.join(out, "rose.png"), roses)
+        names.append("rose.png")
+    return names
+
+
+def respond(out, confined):
+    """The figure of each cemented specimen beside the uncemented one of its pressure, and of an uncemented one that is alone."""
+    from mpdem import response_figure
+
+    names = []
+    free = {load.pressure: load for load, _, _ in confined if load.kind == "uncemented"}
+    cemented = [load for load, _, _ in confined if load.kind != "uncemented"]
+    for load in cemented or free.values():
+        shown = [load] + ([free[load.pressure]] if load.pressure in free and load.kind == "drained" else [])
+        names.append(f"response_{load.label}.png")
+        response_figure.response(os.path.join(out, names[-1]), [(x, *response.read(os.path.join(out, x.label))) for x in shown])
     return names
 
 
@@ -116,6 +176,14 @@ def tell(rows, reference):
     for load, r in rows:
         calm = f"below 1e-3 from {100 * r['load_when_calm']:.0f} % of the peak" if r["load_when_calm"] < 1.0 else "not below 1e-3 before"
         share, early = r["kinetic_at_half"], specimen.before_failure(r, 0.5)
+        if load.pressure and (load.strain is not None or load.kind != "drained"):
+            print(
+                f"{load.label}: q {1e-3 * r['q_peak']:.4g} kPa at most, at {100 * r['axial_strain_at_q_peak']:.3g} %; at the end, {100 * r['strain_at_end']:.3g} %, "
+                f"q {1e-3 * r['q_at_end']:.4g} kPa, volume strain {100 * r['volume_strain_at_end']:+.3g} %, {r['coordination_at_end']:.3g} contacts a bead, "
+                f"{r['pieces_at_end']} pieces of joined beads, the largest of {r['largest_piece_at_end']}"
+            )
+        if load.kind != "drained":
+            continue
         print(
             f"{load.label}: {load.told(r)}; kinetic share of the energy {f'{share:.1e}' if share > 0.0 else 'n/a'} {early or 'at half of the peak'}, {calm} until the first point fails; "
             f"energy imbalance of the cement {r['imbalance']:.1e}; of the work at the peak {100 * r['springs_at_peak']:.3g} % are in the springs of the contacts, "
@@ -126,22 +194,23 @@ def tell(rows, reference):
                 else ""
             )
         )
-    line = specimen.mohr_coulomb([r for load, r in rows if load.test == "compression" and load.content == reference])
+    line = specimen.mohr_coulomb([r for load, r in rows if specimen.counts(load) and load.content == reference])
     if not line:
         return None
+    amount = next(f"{100 * load.of_all:.3g} % calcite" for load, _ in rows if load.content == reference)
     if line["beyond"]:
         print(
-            f"content {reference:g}: at {', '.join(f'{1e-6 * p:g}' for p in line['beyond'])} MPa the specimen is beyond its cap: the strength rises by less than the "
+            f"{amount}: at {', '.join(f'{1e-6 * p:g}' for p in line['beyond'])} MPa the specimen is beyond its cap: the strength rises by less than the "
             "pressure, which breaks bonds itself; left out of cohesion and friction angle"
         )
     fit = line["fit"]
     if fit:
         print(
-            f"content {reference:g}: cohesion {1e-6 * fit['cohesion']:.3g} MPa, friction angle {fit['angle']:.3g} degrees, from {line['fitted']} strengths; "
+            f"{amount}: cohesion {1e-6 * fit['cohesion']:.3g} MPa, friction angle {fit['angle']:.3g} degrees, from {line['fitted']} strengths; "
             f"these are off the line by at most {100 * fit['off']:.2g} % of the largest"
         )
     else:
-        print(f"content {reference:g}: no friction angle: less than two strengths are below the cap; set smaller --pressures or a larger content by --at")
+        print(f"{amount}: no friction angle: less than two strengths are below the cap; set smaller --pressures or a larger content by --at")
     return line
 
 
@@ -161,7 +230,7 @@ def main():
     run.make_folder(out)
     all_runs, stopped = (None, False) if args.redraw else runner.make_runs(args, out, runs)
     rows = specimen.write(os.path.join(out, "specimen.csv"), runs, out, needs_rows=args.redraw)
-    names = ["specimen.csv"] + (draw(out, rows, reference, tell(rows, reference)) if rows else [])
+    names = ["specimen.csv"] + ["waves.csv"] * bool(args.waves and rows) + (draw(out, rows, reference, tell(rows, reference)) if rows else [])
     print(f"written to {args.out}: {', '.join(names)}")
     if all_runs:
         runner.tell_end("specimen.py", all_runs, stopped)

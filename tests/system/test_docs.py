@@ -143,7 +143,7 @@ def test_first_script_is_converged(tmp_path):
 
 def test_lines_of_the_specimen():
     """What doc/howto_pictures.md shows stands so in the script that tests/system/test_specimen.py runs."""
-    scripts = " ".join(" ".join((ROOT / "examples" / "specimen" / name).read_text().split()) for name in ("pictures.in", "in.load"))
+    scripts = " ".join(" ".join((ROOT / "examples" / "specimen" / name).read_text().split()) for name in ("pictures.in", "in.load", "compression.in"))
     shown = [" ".join(line.split()) for _, text in blocks("liggghts-specimen") for line in text.splitlines()]
     assert len(shown) == 9 and all(line in scripts for line in shown), [line for line in shown if line not in scripts]
 

@@ -5,7 +5,7 @@
 A run is an object with
 
     label       its name, and that of its folder
-    arguments   variables of its script, by name
+    arguments   variables of its script, by name; a list is one of several values
     script      path of the script
     includes    paths of the files that the script includes
     cost        about proportional to the time it takes
@@ -15,9 +15,11 @@ A run is an object with
     told(results)       the same in a line
     progress(folder)    how far it is, in a few words
     share(folder)       the share of it that is done
+    resumes             whether it goes on from what is in its folder (no, if there is no such attribute)
 
 Each has a folder; `done.json` in it, written last, holds its parameters and results. A run whose `done.json` is of the
-same parameters and script, and of the same of all that it needs, is not run again.
+same parameters and script, and of the same of all that it needs, is not run again. One that resumes keeps its folder
+when it is launched again with what `begun.json` holds.
 """
 import argparse
 import hashlib
@@ -83,7 +85,7 @@ def stop(*_):
 def command(exe, script, ranks, arguments):
     words = [exe, "-in", script]
     for k, v in arguments.items():
-        words += ["-var", k, v]
+        words += ["-var", k, *(v if isinstance(v, list) else [v])]
     return (["mpirun", "--oversubscribe", "--bind-to", "none", "-np", str(ranks)] if ranks > 1 else []) + words
 
 
@@ -100,12 +102,21 @@ def stamp(run):
 
 def finished(out, run):
     """The results of a run that was finished with these parameters, else None."""
+    done = read(os.path.join(out, run.label, "done.json")) or {}
+    return done["results"] if done.get("stamp") == stamp(run) else None
+
+
+def read(path):
+    """What is in a file of JSON, None if there is none."""
     try:
-        with open(os.path.join(out, run.label, "done.json")) as f:
-            done = json.load(f)
+        with open(path) as f:
+            return json.load(f)
     except (OSError, ValueError):
         return None
-    return done["results"] if done.get("stamp") == stamp(run) else None
+
+
+def time_left(seconds):
+    return f"{seconds / 60:.0f} min" if seconds > 90 else f"{seconds:.0f} s"
 
 
 class Runner:
@@ -144,7 +155,7 @@ class Runner:
                     self.progress()
         finally:
             for item in self.active:
-                os.killpg(item["process"].pid, signal.SIGKILL)  # it begins anew, so it need not save anything
+                os.killpg(item["process"].pid, signal.SIGKILL)  # it begins anew or from its last checkpoint, so it need not save anything
             for item in self.active:
                 item["process"].wait()
                 item["out"].close()
@@ -156,8 +167,12 @@ class Runner:
 
     def launch(self, run):
         folder = os.path.join(self.out, run.label)
-        shutil.rmtree(folder, ignore_errors=True)
-        os.makedirs(folder)
+        begun = os.path.join(folder, "begun.json")
+        if not getattr(run, "resumes", False) or read(begun) != stamp(run):
+            shutil.rmtree(folder, ignore_errors=True)
+            os.makedirs(folder)
+            with open(begun, "w") as f:
+                json.dump(stamp(run), f)
         out = open(os.path.join(folder, "out.txt"), "w")
         environment = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", **os.environ}
         process = subprocess.Popen(
@@ -205,7 +220,7 @@ class Runner:
         if not self.waiting and not self.active or not spent:
             return ""
         seconds = (time.time() - self.start) * max(self.total / spent - 1, 0.0)
-        return f"; about {seconds / 60:.0f} min left" if seconds > 90 else f"; about {seconds:.0f} s left"
+        return f"; about {time_left(seconds)} left"
 
     def progress(self):
         say(f"{self.count()} running: {'; '.join(i['run'].label + ' ' + i['run'].progress(i['folder']) for i in self.active)}{self.left()}")

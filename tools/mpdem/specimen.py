@@ -12,8 +12,7 @@ import re
 
 import numpy as np
 
-from . import runner
-from .loading import read_table
+from . import response, runner, waves
 from .run import Trouble
 
 FOLDER = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "examples", "specimen")
@@ -60,7 +59,16 @@ COLUMNS = (
     "pressure_off_to_peak",
     "pressure_off_after_peak",
     "load_at_first_failure",
+    "kind",
+    "q_peak",
+    "axial_strain_at_q_peak",
+    "q_at_end",
+    "volume_strain_at_end",
+    "coordination_at_end",
+    "pieces_at_end",
+    "largest_piece_at_end",
 )
+KINDS = ("drained", "undrained", "cyclic", "uncemented")  # of the loads with a pressure on the sides
 
 
 def variables_of(script):
@@ -82,7 +90,8 @@ def check_seed(text):
 class Stage:
     """A run of one of the scripts."""
 
-    includes = tuple(os.path.join(FOLDER, name) for name in ("beads.in", "contacts.in"))
+    resumes = False  # it can go on from what it left when it was stopped
+    includes = tuple(os.path.join(FOLDER, name) for name in sorted(os.listdir(FOLDER)) if name.endswith(".in"))
 
     def __init__(self, label, script, needs, cost, extra, own):
         self.label, self.script, self.needs, self.cost = label, os.path.join(FOLDER, script), needs, cost
@@ -118,40 +127,61 @@ class Pour(Stage):
 
 
 class Cement(Stage):
-    def __init__(self, content, poured, extra):
-        super().__init__(f"cemented_{content:g}", "in.cement", (poured,), 0.1 * poured.cost, extra, {"poured": "../poured", "content": f"{content:g}"})
+    """Beads cemented by the content of each bond, or, if `of_all`, by that of all beads."""
+
+    def __init__(self, content, poured, extra, of_all=False):
+        name = "calcite" if of_all else "content"
+        super().__init__(f"cemented_{content:g}", "in.cement", (poured,), 0.1 * poured.cost, extra, {"poured": "../poured", name: f"{content:g}"})
+        self.of_all = of_all
 
     def results(self, folder):
         text = output(folder)
-        made = re.search(r"^Cement at (\d+) contacts .*\n *in all (\d+) points, volume (\S+), mass (\S+), content .*\) (\S+)$", text, re.M)
-        if not made:
+        made = re.findall(r"^Cement at (\d+) contacts .*\n *in all (\d+) points", text, re.M)
+        content = re.search(r"^CONTENT of a bond (\S+) of all beads (\S+)$", text, re.M)
+        if not made or not content:
             raise Trouble(f"{os.path.join(folder, 'out.txt')}: lacks the line of create_cement; run again")
-        return {"bonds": int(made[1]), "points": int(made[2]), "content_of_all": float(made[5])}
+        return {"bonds": int(made[-1][0]), "points": int(made[-1][1]), "content_of_bond": float(content[1]), "content_of_all": float(content[2])}
 
     def told(self, r):
-        return f"{r['bonds']} bonds of {r['points']} points, {100 * r['content_of_all']:.3g} % of the mass of the beads"
+        return f"{r['bonds']} bonds of {r['points']} points, calcite {100 * r['content_of_all']:.3g} % of the mass of the beads, {100 * r['content_of_bond']:.3g} % at a bond"
+
+
+NO_CEMENT = {"bonds": 0, "points": 0, "content_of_bond": 0.0, "content_of_all": 0.0}
 
 
 class Load(Stage):
+    """A loading of cemented beads, or, if `below` is the pouring, of beads without cement. strain: it ends there, and not after the peak."""
+
+    resumes = True
     ends = {"compression": 7e-4, "tension": 3e-4}  # strain at which a test ends, a guess until one has
 
-    def __init__(self, test, content, pressure, cement, extra):
+    def __init__(self, test, content, pressure, below, extra, kind="drained", strain=None, marks=()):
         confined = f"_{1e-6 * pressure:g}MPa" if pressure else ""
+        cemented = kind != "uncemented"
+        own = {"poured": "../poured", "test": "cyclic" if kind == "cyclic" else test, "pressure": f"{pressure:g}", "resume": "yes"}
+        own.update({"cemented": f"../{below.label}"} if cemented else {"start": "poured"})
+        own.update({"sides": "volume"} if kind == "undrained" else {})
+        if strain is not None and test != "tension":
+            own.update({"ends": "strain", "strain": f"{strain:g}"})
         super().__init__(
-            f"{test}_{content:g}{confined}",
+            f"{test if kind == 'drained' else kind}{f'_{content:g}' if cemented else ''}{confined}",
             "in.load",
-            (cement,),
-            cement.cost * (5.0 if test == "tension" else 30.0),
+            (below,),
+            below.cost * (5.0 if test == "tension" else 30.0 if cemented else 0.03) * (max(strain / 1e-3, 1.0) if strain and test != "tension" else 1.0),
             extra,
-            {"poured": "../poured", "cemented": f"../{cement.label}", "test": test, "pressure": f"{pressure:g}"},
+            own,
         )
         if "cell" not in extra and "spacing" in extra:
             self.arguments["cell"] = f"{2 * float(extra['spacing']):g}"
-        self.test, self.content, self.pressure = test, content, pressure
+        self.test, self.content, self.pressure, self.kind, self.strain = test, content, pressure, kind, strain
+        if marks:
+            self.arguments["marks"] = [f"{m:g}" for m in sorted(marks)]
+        self.of_all = 0.0  # mass of the cement over that of the beads, once it is known
 
     def results(self, folder):
         found = results(folder, self)
-        Load.ends[self.test] = found["strain_at_end"]
+        if self.strain is None and self.kind in ("drained", "undrained"):
+            Load.ends[self.test] = found["strain_at_end"]
         return found
 
     def told(self, r):
@@ -173,18 +203,43 @@ class Load(Stage):
 
     def progress(self, folder):
         now = self.line(folder)
-        return f"at {1e3 * now['strain']:.3g} per mille, {now['load']:.4g} N, {now['awake']:.0f} awake, {now['broken']:.0f} broken" if now else "begins"
+        if not now:
+            return "begins"
+        known = self.kind == "cyclic" or self.strain is not None
+        left = f", at most {runner.time_left(now['left'])} left" if known and now["left"] > 0 else ""
+        return f"at {1e3 * now['strain']:.3g} per mille, {now['load']:.4g} N, {now['awake']:.0f} awake, {now['broken']:.0f} broken{left}"
 
     def share(self, folder):
         now = self.line(folder)
-        return min(now["strain"] / self.ends[self.test], 0.95) if now else 0.0
+        if not now:
+            return 0.0
+        return min(now["share"] if self.kind == "cyclic" or self.strain is not None else now["strain"] / self.ends[self.test], 0.95)
+
+
+class Wave(Stage):
+    """Wave speeds at a mark of a loading."""
+
+    def __init__(self, strain, load, extra):
+        own = {"poured": "../poured", "loaded": f"../{load.label}", "after": f"mark_{strain:g}"}
+        shared = {k: v for k, v in load.arguments.items() if k == "cell"}
+        super().__init__(f"waves_{strain:g}_{load.label}", "in.wave", (load,), 3.0 * load.needs[0].cost, extra, {**own, **shared})
+        self.load, self.strain = load, strain
+
+    def results(self, folder):
+        rate = re.findall(r"^WAVE \d .* dt (\S+)$", output(folder), re.M)
+        if len(rate) < 4:
+            raise Trouble(f"{os.path.join(folder, 'out.txt')}: lacks a line WAVE; run again")
+        return {"load": self.load.label, "strain": self.strain, **waves.results(folder, float(rate[-1]))}
+
+    def told(self, r):
+        return f"shear wave {r['shear']:.0f} m/s, compression wave {r['compression']:.0f} m/s at an axial strain of {100 * r['strain']:.3g} %"
 
 
 class Curve:
     """The rows of curve.csv from where the ends begin to move; stress and strain by the first shape of the specimen."""
 
     def __init__(self, folder, test, pressure, young=None):
-        table = read_table(os.path.join(folder, "curve.csv"))
+        table = response.whole(folder, "curve")
         shape = Pour.results(None, os.path.join(os.path.dirname(folder), "poured"))
         text = output(folder)
         found = re.search(r"^SPECIMEN long (\S+)$", text, re.M)
@@ -299,7 +354,11 @@ def pressure_off(c, rows):
 def results(folder, load):
     c = Curve(folder, load.test, load.pressure, load.arguments.get("young"))
     t, k = c.table, c.peak
-    cement = runner.finished(os.path.dirname(folder), load.needs[0])
+    cement = NO_CEMENT if load.kind == "uncemented" else runner.finished(os.path.dirname(folder), load.needs[0])
+    if cement is None:
+        raise Trouble(f"{folder}: the scripts changed while it ran; run again")
+    whole, fabric = response.write(folder)
+    top, end_q = int(np.argmax(whole["q"])), whole["axial_strain"] >= whole["axial_strain"][-1] - 0.05 * np.ptp(whole["axial_strain"])
     rising = (c.stress - load.pressure)[: k + 1]
     fails = int(np.argmax(t["failed"] > 0)) if (t["failed"] > 0).any() else k
     end = min(int(np.argmax(rising > STIFFNESS[1] * rising[k])), fails)  # later drops are none of it
@@ -310,7 +369,7 @@ def results(folder, load):
     before = {name: float(t[name][max(fails - 1, 0)]) if name in t else float("nan") for name in ("kinetic_share", "unbalanced")}
     return {
         "test": load.test,
-        "content": load.content,
+        "content": cement["content_of_bond"],
         "pressure": load.pressure,
         **{k: cement[k] for k in ("bonds", "points", "content_of_all")},
         "stiffness": slope(gauge[inside], c.stress[inside]) if inside.size >= ROWS else float("nan"),
@@ -342,6 +401,14 @@ def results(folder, load):
         "pressure_off_to_peak": pressure_off(c, slice(1, k + 1)),
         "pressure_off_after_peak": pressure_off(c, slice(k + 1, None)),
         "load_at_first_failure": first,
+        "kind": load.kind,
+        "q_peak": float(whole["q"][top]),
+        "axial_strain_at_q_peak": float(whole["axial_strain"][top]),
+        "q_at_end": float(whole["q"][end_q].mean()),
+        "volume_strain_at_end": float(whole["volume_strain"][-1]),
+        "coordination_at_end": float(fabric["coordination"][-1]) if fabric else float("nan"),
+        "pieces_at_end": int(fabric["pieces"][-1]) if fabric else 0,
+        "largest_piece_at_end": int(fabric["largest"][-1]) if fabric else 1,
     }
 
 
@@ -376,10 +443,14 @@ def mohr_coulomb(rows):
     return found
 
 
+def counts(*loads):
+    """Strengths of these make cohesion and friction angle."""
+    return all(load.test == "compression" and load.kind == "drained" for load in loads)
+
+
 def bonds_at(folder):
     """The table of the bonds by step: for each a dict of columns, in the order of the bonds."""
-    table = read_table(os.path.join(folder, "bond.csv"))
-    table["mode"] = np.array(table["mode"])
+    table = response.whole(folder, "bond")
     steps = np.unique(table["step"])
     return {int(s): {k: v[table["step"] == s] for k, v in table.items()} for s in steps}
 
@@ -403,8 +474,11 @@ def write(path, runs, out, needs_rows=False):
         if res is not None
     ]
     for load, res in rows:
-        line = mohr_coulomb([other for _, other in rows if load.test == other["test"] == "compression" and load.content == other["content"]])
+        load.of_all = res["content_of_all"]
+        line = mohr_coulomb([other for peer, other in rows if counts(load, peer) and load.content == peer.content])
         res["beyond_cap"] = int(line is not None and load.pressure in line["beyond"])
+    speeds = [r for w, r in ((w, runner.finished(out, w)) for w in runs if isinstance(w, Wave)) if r is not None]
+    response.write_rows(os.path.join(os.path.dirname(path), "waves.csv"), [{k: v for k, v in r.items() if k != "wall"} for r in speeds])
     if not rows and (needs_rows or os.path.exists(path)):
         stays = f", and {path} stays as it is" if os.path.exists(path) else ""
         raise Trouble(f"{out}: no load of this plan is finished there{stays}; give the folder and the words of the runs")

@@ -15,12 +15,12 @@ TITLES = {"compression": "unconfined compression", "tension": "direct tension"}
 
 
 def name_of(load):
-    words = f"{100 * load.content:.3g} %"
+    words = f"{100 * load.of_all:.3g} % calcite" if load.of_all else "no cement"
     return words + (f", {1e-6 * load.pressure:.3g} MPa on the sides" if load.pressure else "")
 
 
 def title_of(load):
-    return ("triaxial compression" if load.pressure else TITLES[load.test]) + f", content {name_of(load)}"
+    return ("triaxial compression" if load.pressure else TITLES[load.test]) + f", {name_of(load)}"
 
 
 def groups(items, reference):
@@ -29,7 +29,8 @@ def groups(items, reference):
     pulled = [i for i in items if i[0].test == "tension"]
     confined = [i for i in items if i[0].pressure or i in plain and i[0].content == reference]
     found = [("unconfined compression", plain), ("direct tension", pulled)]
-    return found + ([(f"triaxial compression, {100 * reference:.3g} %", confined)] if any(i[0].pressure for i in confined) else [])
+    of_all = next((i[0].of_all for i in confined), 0.0)
+    return found + ([(f"triaxial compression, {100 * of_all:.3g} % calcite", confined)] if any(i[0].pressure for i in confined) else [])
 
 
 def curves(path, items, reference):
@@ -43,7 +44,7 @@ def curves(path, items, reference):
             upper.plot(x[c.peak], 1e-6 * (c.stress[c.peak] - load.pressure), "o", color=colour, ms=3.5)
             lower.plot(x, c.table["broken"], color=colour)
         upper.set_title(title, loc="left")
-        upper.legend(frameon=False, title="on the sides" if title.startswith("triaxial") else "content", title_fontsize=7)
+        upper.legend(frameon=False, title="on the sides" if title.startswith("triaxial") else None, title_fontsize=7)
         for ax in (upper, lower):
             ax.set_ylim(0.0, None)
             ax.set_xlim(0.0, None)
@@ -136,26 +137,27 @@ def strengths(path, items, reference, line):
         rows = sorted(((load.content, r) for load, r, _ in items if load.test == test and not load.pressure), key=lambda row: row[0])
         if not rows:
             continue
-        x = [100 * content for content, _ in rows]
+        x = [100 * r["content_of_all"] for _, r in rows]
         axes[0].plot(x, [1e-9 * r["stiffness"] for _, r in rows], "o-", color=colour, ms=4, label=label)
         early = [(content, r) for content, r in rows if before_failure(r)]
-        axes[0].plot([100 * content for content, _ in early], [1e-9 * r["stiffness"] for _, r in early], "o", color=colour, mfc="white", ms=4)
+        axes[0].plot([100 * r["content_of_all"] for _, r in early], [1e-9 * r["stiffness"] for _, r in early], "o", color=colour, mfc="white", ms=4)
         hollow = hollow or bool(early)
         axes[1].plot(x, [1e-6 * r["strength"] for _, r in rows], "o-", color=colour, ms=4, label=label)
     axes[0].set_ylabel("stiffness (GPa)")
     axes[1].set_ylabel("strength (MPa)")
     for ax in axes[:2]:
-        ax.set_xlabel("content of a bond (%)" + ("\nhollow: before an early failure" if hollow and ax is axes[0] else ""))
+        ax.set_xlabel("calcite of the beads (%)" + ("\nhollow: before an early failure" if hollow and ax is axes[0] else ""))
         ax.set_xlim(0.0, None)
         ax.set_ylim(0.0, None)
-        ax.legend(frameon=False)
+        if ax.get_legend_handles_labels()[0]:
+            ax.legend(frameon=False)
     circles(
         axes[2],
         [(r["pressure"], r["strength"]) for load, r, _ in items if load.test == "compression" and load.content == reference],
         [r["strength"] for load, r, _ in items if load.test == "tension" and load.content == reference],
         line,
     )
-    axes[2].set_title(f"content {100 * reference:.3g} %", loc="left")
+    axes[2].set_title(next((name_of(load).split(",")[0] for load, _, _ in items if load.content == reference), ""), loc="left")
     fig.tight_layout()
     save(fig, path)
 
