@@ -96,7 +96,7 @@ def test_stress_and_strain(drained, figures):
     there = f["axial_strain"] > 0
     walls = np.interp(f["step"], r["step"], r["axial_stress"])
     figures.below(
-        "stress by forces inside against that of the plate, mean of the frames, over it", abs(f["stress_inside"][there].mean() / walls[there].mean() - 1), 0.03
+        "stress by forces inside against that of the plate, mean of the frames, over it", abs(f["stress_inside"][there].mean() / walls[there].mean() - 1), 0.05
     )
     beads = response.dumps(str(drained), "beads")
     steps = [s for s in beads if r["step"][0] <= s <= r["step"][-1]]
@@ -105,7 +105,7 @@ def test_stress_and_strain(drained, figures):
     assert abs(of_walls).max() > 0.002
     off = abs(volume / volume[0] - 1 - of_walls)
     figures.below(
-        "volume strain of the walls against that of the box around the beads, mean of the frames, over the largest", off.mean() / abs(of_walls).max(), 0.05
+        "volume strain of the walls against that of the box around the beads, mean of the frames, over the largest", off.mean() / abs(of_walls).max(), 0.1
     )
     assert (f["contacts"] == f["old_contacts"] + f["new_contacts"]).all() and f["new_contacts"][0] == 0 and f["lost_contacts"][-1] > 0
     assert (f["bonds"][0] - f["bonds"] == np.interp(f["step"], r["step"], r["broken"])).all() and f["bonds"][-1] < f["bonds"][0]
