@@ -433,7 +433,6 @@ void PieceContact::add_force(const Group& g, Slip& s, const Touch& t, double dt,
   std::copy(e.data(), e.data() + 3, s.e);
   std::copy(t.n.data(), t.n.data() + 3, s.n);
   s.closed = true;
-  if (!keeps_contacts_) return;
   Contact c{piece.grain, b ? tags_[static_cast<std::size_t>(b - motions_.data())] : 0, {}, {}, {}};
   std::copy(f.data(), f.data() + 3, c.force);
   std::copy(arm.data(), arm.data() + 3, c.arm);

@@ -102,7 +102,6 @@ class PieceContact {
     double force[3], arm[3], arm_of_other[3];
   };
   const std::vector<Contact>& contacts() const { return contacts_; }
-  void keep_contacts(bool yes) { keeps_contacts_ = yes; }
   // Forces and moments of contact within bonds that are apart, on both of their grains about their centres, of this rank.
   struct LoadOfBond {
     int row;
@@ -208,7 +207,7 @@ class PieceContact {
   std::vector<int> motion_of_body_;  // index in motions_ of each body of this rank
   std::vector<double> buffer_;
   HaloSum halo_;
-  bool any_ = false, keeps_contacts_ = false;  // any_: some rank has candidates
+  bool any_ = false;  // some rank has candidates
   double travel_ = 0.0, path_of_walls_ = 0.0, stored_ = 0.0, dissipated_ = 0.0, deepest_ = 0.0;
   int touching_ = 0;
   std::vector<Contact> contacts_;

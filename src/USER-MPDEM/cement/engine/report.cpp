@@ -281,14 +281,20 @@ double Report::unbalanced_force(const std::vector<BondState>& loads, const Magni
 }
 
 void Report::add_virials(const std::vector<BondState>& loads, GrainVirial& virial) const {
+  for (const PieceContact::Contact& c : contact_.contacts()) {
+    const double opposite[3] = {-c.force[0], -c.force[1], -c.force[2]};
+    virial.add(c.grain, c.force, c.arm);
+    if (c.other > 0) virial.add(c.other, opposite, c.arm_of_other);
+  }
   if (rank_in(scene_.comm) != 0) return;
   for (std::size_t i = 0; i < loads.size(); ++i) {
     const BondState& b = loads[i];
     const BondRecord& record = scene_.bonds().table[i];
     for (int s = 0; s < 2; ++s) {
-      double arm[3];
+      double arm[3], of_bond[3];  // without contact, which is counted above
+      for (int d = 0; d < 3; ++d) of_bond[d] = b.force[s][d] - b.contact[s][d];
       for (int d = 0; d < 3; ++d) arm[d] = (s == 0 ? 1.0 : -1.0) * (record.radius[s] + 0.5 * b.gap) * b.normal[d];
-      if (record.has_grain(0) && record.has_grain(1)) virial.add(record.grain[s], b.force[s], arm);
+      if (record.has_grain(0) && record.has_grain(1)) virial.add(record.grain[s], of_bond, arm);
     }
   }
 }
