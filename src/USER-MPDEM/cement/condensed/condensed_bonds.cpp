@@ -540,7 +540,7 @@ void CondensedBonds::note_peaks(std::vector<double>& peaks) const {
 std::vector<int> CondensedBonds::owned_rows() const {
   std::vector<int> rows;
   for (const Member& m : members_)
-    if (m.owns && m.piece <= 0) rows.push_back(m.row);
+    if (m.owns && (rows.empty() || rows.back() != m.row)) rows.push_back(m.row);  // a bond may have one or two pieces
   return rows;
 }
 
@@ -632,8 +632,6 @@ std::size_t CondensedBonds::memory_usage() const {
   return bytes;
 }
 
-int CondensedBonds::count() const {
-  return static_cast<int>(std::count_if(members_.begin(), members_.end(), [](const Member& m) { return m.owns && m.piece <= 0; }));
-}
+int CondensedBonds::count() const { return static_cast<int>(owned_rows().size()); }
 
 }  // namespace mpdem

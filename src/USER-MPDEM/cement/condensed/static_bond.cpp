@@ -204,7 +204,8 @@ std::size_t StaticBond::memory_usage() const {
   for (const auto& u : displacement) bytes += u.capacity() * sizeof(double);
   for (const auto* strains : {&strain, &strain_of_film})
     for (const auto& e : *strains) bytes += e.capacity() * sizeof(Sym3<vd>);
-  return bytes;
+  for (const auto& open : faces.open) bytes += open.capacity() * sizeof(open[0]);
+  return bytes + separations.blocks.capacity() * sizeof(PenaltyLinks::SmallSeparations::Block);
 }
 
 BondFrame frame_of(const BondRecord& record, const BondEnd* ends) {
