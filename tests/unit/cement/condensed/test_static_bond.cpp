@@ -94,7 +94,7 @@ TEST(StaticBond, FieldsOfAnotherLayout) {
   const NoDamage stiffer(VtiElasticity(VtiConstants::isotropic(2.0 * test::kYoung, 0.0)));
   CondensedBonds condensed;
   const auto fits = [&](const Law& law) {
-    return condensed.matches_static_solution(b, record, at.ends, 0.5 * K * way * way, 0.5, gravity, test::kStep, law);
+    return condensed.matches_static_solution(b, record, at.ends, 0.5 * K * way * way, 0.5, 2.0, gravity, test::kStep, law);
   };
   EXPECT_TRUE(fits(host.cement->law()));
   EXPECT_TRUE(fits(stiffer)) << "the layout is the same";
@@ -122,7 +122,8 @@ TEST(StaticBond, RingingIsNoRest) {
     for (int i = 0; i < b.grid.size(); ++i) b.grid.velocity[3 * i] = v;
     for (BondEnd& e : at.ends) e.v[0] = of_grains * v;
     CondensedBonds condensed;
-    return condensed.matches_static_solution(b, record, at.ends, (1.0 + share) * energy, 1.0, gravity, test::kStep, host.cement->law());
+    return condensed.matches_static_solution(b, record, at.ends, (1.0 + share) * energy, 1.0, 2.0, gravity, test::kStep,
+                                             host.cement->law());
   };
   EXPECT_TRUE(rests(0.0, 0.0));
   EXPECT_TRUE(rests(0.5, 1.0));

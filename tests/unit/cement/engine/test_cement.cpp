@@ -187,18 +187,18 @@ TEST(Cracks, SeePointsFailWhoseLinksLetGoBefore) {
   cracks.add_bonds(1);
   const auto look = [&] { cracks.detect_separations(MPI_COMM_SELF, host.bonds, options, true, false); };
   look();
-  EXPECT_TRUE(cracks.has_seen(bond));
+  EXPECT_TRUE(cracks.has_seen(bond.row, Cracks::count_broken(bond)));
   Link& link = bond.points.links.front();
   link.attached = false;
-  EXPECT_FALSE(cracks.has_seen(bond));
+  EXPECT_FALSE(cracks.has_seen(bond.row, Cracks::count_broken(bond)));
   bond.link_step.debond = {0};
   cracks.note_debonded_links(bond);
   ASSERT_TRUE(cracks.some_path_is_cut(MPI_COMM_SELF));
   look();
-  EXPECT_TRUE(cracks.has_seen(bond));
+  EXPECT_TRUE(cracks.has_seen(bond.row, Cracks::count_broken(bond)));
   EXPECT_FALSE(cracks[0].path.empty());
   bond.points.meta[link.slot / kLanes].failed |= static_cast<std::uint8_t>(1u << link.slot % kLanes);
-  EXPECT_FALSE(cracks.has_seen(bond));
+  EXPECT_FALSE(cracks.has_seen(bond.row, Cracks::count_broken(bond)));
 }
 
 // With central differences the velocity at a step is the displacement from the step before to the step after it, over twice the time step.
