@@ -377,21 +377,10 @@ BAD = {
         "condense yes basis cubic",
         ["fix mpm (id cem)", "'condense yes' does not go with 'basis cubic'", "'basis quadratic' or 'linear'"],
     ),
-    "cracks that close": (
-        "condense yes",
-        "condense yes unilateral yes",
-        ["fix mpm (id cem)", "'condense yes' does not go with 'unilateral yes'", "or 'unilateral no'"],
-    ),
-    "friction": ("kn auto", "friction 0.3 kn auto", ["fix mpm/couple (id bond)", "'friction 0.3'", "'condense no'", "fix mpm (id cem)"]),
     "the other mass": (
         "condense yes",
         "condense yes mass_order 2",
         ["fix mpm (id cem)", "'condense yes' does not go with 'mass_order 2'", "or 'mass_order 1'"],
-    ),
-    "cohesive links": (
-        "kn auto kt auto",
-        "kn auto kt auto interface cohesive tn 1e7 tt 1e7 Gn 40 Gt 40",
-        ["fix mpm/couple (id bond)", "'interface cohesive tn", "'condense no'", "fix mpm (id cem)"],
     ),
 }
 
@@ -403,6 +392,23 @@ def test_message(name, tmp_path):
     assert result.status != 0 and len(result.errors()) == 1, result.output[-1500:]
     missing = [word for word in needed if word not in result.errors()[0]]
     assert not missing, result.errors()[0]
+
+
+GOES_WITH = {
+    "cracks that close": ("condense yes", "condense yes unilateral yes"),
+    "friction": ("kn auto", "friction 0.3 kn auto"),
+    "cohesive links": ("kn auto kt auto", "kn auto kt auto interface cohesive tn 1e8 tt 1e8 Gn 4000 Gt 4000"),
+}
+
+
+@pytest.mark.parametrize("name", GOES_WITH)
+def test_goes_with_condensed_bonds(name, tmp_path):
+    """Bonds are condensed with these words, too, and carry what they carry without them."""
+    end = thermo(10, ["f_bond"]) + "run 50\n"
+    plain, other = (run(text + end, tmp_path / str(n), 2) for n, text in enumerate((breaking("yes"), edit(breaking("yes"), *GOES_WITH[name]))))
+    assert "condensed 1 of 1 bonds" in other.output
+    force = other.table()["f_bond"]
+    assert abs(force).max() > 0.01 and force == pytest.approx(plain.table()["f_bond"], rel=1e-6, abs=1e-9)
 
 
 def test_condensed_no_more(tmp_path):

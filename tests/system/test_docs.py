@@ -172,7 +172,9 @@ def test_line(line, tmp_path):
         script += line + "\n"
     if command == "compute":
         name = line.split()[1]
-        script += f"{line}\ndump d calcite custom 1 points.txt id c_{name}\n"
+        used = "".join(f"variable {v} equal 1e-6\n" for v in re.findall(r"\bv_(\w+)", line))
+        column = "[1]" if " mpm/stress" in line else ""
+        script += f"{used}{line}\ndump d calcite custom 1 points.txt id c_{name}{column}\n"
     script += "fix move grains nve/sphere\nrun 2\n"
     run(script, tmp_path)
 
@@ -337,7 +339,7 @@ def test_files_that_pages_name_are_there():
                 missing.append((name_of(page), name))
     package = ROOT / "src/USER-MPDEM"
     for name in re.findall(
-        r"`((?:numerics|parallel|geometry|material|mpm|fracture|coupling|cement|styles|host)/[\w./*]+)`", (ROOT / "doc/theory.md").read_text()
+        r"`((?:numerics|parallel|geometry|material|mpm|fracture|coupling|contact|cement|styles|host)/[\w./*]+)`", (ROOT / "doc/theory.md").read_text()
     ):
         if not list(package.glob(name)):
             missing.append(("doc/theory.md", name))

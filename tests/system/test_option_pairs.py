@@ -65,8 +65,17 @@ def has(chosen, term):
     return any(is_written(words, term) for words in chosen.values())
 
 
+def with_default(chosen):
+    """Options with the value of `cracks` that the program takes where a script has none, once the options that it depends on are chosen."""
+    nonlocal_damage = "nonlocal" in chosen.get("regularization", "")
+    keeps_reference = chosen.get("kinematics") == "kinematics total" and chosen.get("reproject") == ""
+    splits = chosen.get("cracks") == "" and nonlocal_damage and chosen.get("condense") == "condense no" and keeps_reference
+    return {**chosen, "cracks": "cracks split"} if splits else chosen
+
+
 def exclusion(chosen, rules):
     """The first rule that options violate, once they have all options that the rule names with `without`."""
+    chosen = with_default(chosen)
     for a, b, why in rules:
         left_out = [term.split(" without ")[1] for term in (a, b) if " without " in term]
         if all(term.split()[0] in chosen for term in left_out) and all(any(has(chosen, term) for term in side.split(" | ")) for side in (a, b)):

@@ -44,11 +44,11 @@ def test_slip_of_any_length(condense, tmp_path):
     rows = slid(tmp_path, condense).table()
     after = rows["step"] >= 8000
     assert rows["v_slip"][after].max() > 8e-4 and not rows["f_cem[24]"][after].any()  # all pieces are rigid
-    press, rub = rows["v_fz"][after], -rows["v_fx"][after]
+    press, friction = rows["v_fz"][after], -rows["v_fx"][after]
     assert (press > 2.0).all()
-    assert 0.2 < (rub / press).mean() < 0.4
+    assert 0.2 < (friction / press).mean() < 0.4
     # the table of bonds has the force of contact, up to the inclination of the line of centres
-    assert np.allclose(rows["f_bond[1]"][after], rub, rtol=0.01)
+    assert np.allclose(rows["f_bond[1]"][after], friction, rtol=0.01)
     assert (rows["f_cem[37]"][after] > 0).all() and (np.diff(rows["f_cem[38]"][after]) > 0).all()
 
 

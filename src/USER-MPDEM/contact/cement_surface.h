@@ -9,7 +9,7 @@
 // root. A column of a film (coupling/film.h) is a surface point only where the bond is separated. Its sphere reaches to
 // both grains.
 //
-// Failed points belong to the surface: the debris of a crack fills it.
+// Failed points belong to the surface: crushed cement fills a crack.
 #ifndef MPDEM_CONTACT_CEMENT_SURFACE_H
 #define MPDEM_CONTACT_CEMENT_SURFACE_H
 

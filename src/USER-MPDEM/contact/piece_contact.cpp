@@ -33,11 +33,6 @@ Matrix3 matrix_of(const double* q) {
   return M;
 }
 
-struct KnownBody {
-  int tag, rank;
-  double radius, x[3], q[4], to_box[3];
-};
-
 // Cells of a regular grid with the spheres whose centres are in them.
 class SphereGrid {
  public:
@@ -72,6 +67,12 @@ class SphereGrid {
 bool precedes(const CementPiece& a, const CementPiece& b) { return a.row != b.row ? a.row < b.row : a.side < b.side; }
 
 }  // namespace
+
+// A grain, the same on all ranks.
+struct PieceContact::KnownBody {
+  int tag, rank;
+  double radius, x[3], q[4], to_box[3];
+};
 
 // Where a surface point touches: gap, normal out of the other body, area.
 struct PieceContact::Touch {
@@ -158,6 +159,30 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
         {b.tag, me, b.radius, {b.x[0], b.x[1], b.x[2]}, {b.q[0], b.q[1], b.q[2], b.q[3]}, {b.to_box[0], b.to_box[1], b.to_box[2]}});
   known = gather_all(comm, known);
   std::sort(known.begin(), known.end(), [](const KnownBody& a, const KnownBody& b) { return a.tag < b.tag; });
+  std::vector<Group> found = groups_near(known, me, walls.walls(), nearest);
+  set_motions(comm, bodies, found);
+  for (Group& g : found) {
+    g.body = motion_of(g.body);
+    if (g.other_body >= 0) g.other_body = motion_of(g.other_body);
+    add_candidates(g, walls, p_.search_margin);
+  }
+  slips_.resize(kMostNormals * candidates_.size());
+  for (const Group& g : groups_)
+    for (int i = g.begin; i < g.end; ++i) {
+      candidates_[i].slip = kMostNormals * i;
+      const auto before = slips.find(id_of(g, candidates_[i]));
+      if (before != slips.end()) std::copy(before->second.begin(), before->second.end(), &slips_[candidates_[i].slip]);
+    }
+  clear_overlaps(comm, walls);
+  int mine = !groups_.empty(), any;
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);
+  any_ = any;
+}
+
+// Returns the pieces of this rank with all bodies near them. The groups have tags in place of indices of motions. known:
+// ascending in tags.
+std::vector<PieceContact::Group> PieceContact::groups_near(const std::vector<KnownBody>& known, int me, int walls,
+                                                           const NearestImage& nearest) const {
   const auto body_of = [&](int tag) {
     const auto k = std::lower_bound(known.begin(), known.end(), tag, [](const KnownBody& b, int t) { return b.tag < t; });
     return k != known.end() && k->tag == tag ? static_cast<int>(k - known.begin()) : -1;
@@ -172,7 +197,7 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
     const int k = carrier.back();
     middles.push_back(k < 0 ? Vector3(Vector3::Zero()) : Vector3(vector(known[k].x) + matrix_of(known[k].q) * vector(p.middle)));
   }
-  const double cell = 2.0 * largest + p_.skin;
+  const double cell = 2.0 * largest + p_.search_margin;
   SphereGrid grains(cell), others(cell);
   for (std::size_t k = 0; k < known.size() && !nearest; ++k) grains.add(vector(known[k].x), static_cast<int>(k));
   for (std::size_t n = 0; n < pieces_.size() && !nearest; ++n)
@@ -194,7 +219,7 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
     const CementPiece& piece = pieces_[n];
     const auto add = [&](int kind, int other, int tag, const Vector3& x, double radius) {
       const Vector3 shift = shift_to(middles[n], x);
-      if ((x + shift - middles[n]).norm() > radius + piece.reach + p_.skin) return;
+      if ((x + shift - middles[n]).norm() > radius + piece.reach + p_.search_margin) return;
       found.push_back({static_cast<int>(n), kind, other, piece.grain, tag, {shift[0], shift[1], shift[2]}, 0, 0, -1});
     };
     each_near(grains, known.size(), middles[n], [&](int i) {
@@ -204,7 +229,7 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
       if (i > static_cast<int>(n) && carrier[i] >= 0 && may_touch(piece, pieces_[i]))
         add(kPiece, i, pieces_[i].grain, middles[i], pieces_[i].reach);
     });
-    for (int w = 0; w < walls.walls(); ++w) {
+    for (int w = 0; w < walls; ++w) {
       const double* to = known[k].to_box;
       found.push_back({static_cast<int>(n), kWall, w, piece.grain, -1, {to[0], to[1], to[2]}, 0, 0, -1});
     }
@@ -212,7 +237,13 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
   std::sort(found.begin(), found.end(), [](const Group& a, const Group& b) {
     return std::array<int, 3>{a.piece, a.kind, a.other} < std::array<int, 3>{b.piece, b.kind, b.other};
   });
-  // the motions of these grains are needed here
+  return found;
+}
+
+int PieceContact::motion_of(int tag) const { return static_cast<int>(std::lower_bound(tags_.begin(), tags_.end(), tag) - tags_.begin()); }
+
+// Collective. Finds the motions of the grains of this rank and of those in the groups.
+void PieceContact::set_motions(MPI_Comm comm, const std::vector<ContactBody>& bodies, const std::vector<Group>& found) {
   tags_.clear();
   for (const ContactBody& b : bodies) tags_.push_back(b.tag);
   for (const Group& g : found)
@@ -222,44 +253,24 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
   std::vector<Key> keys;
   for (int tag : tags_) keys.push_back({tag, 0, 0, 0});
   halo_.build(comm, keys);
-  const auto motion_of = [&](int tag) { return static_cast<int>(std::lower_bound(tags_.begin(), tags_.end(), tag) - tags_.begin()); };
   motions_.assign(tags_.size(), Motion());
-  std::vector<double> reach(tags_.size(), 0.0);  // from the centre of the grain
-  for (std::size_t n = 0; n < pieces_.size(); ++n) {
-    const std::size_t m = static_cast<std::size_t>(motion_of(pieces_[n].grain));
-    if (m < tags_.size() && tags_[m] == pieces_[n].grain)
-      reach[m] = std::max(reach[m], vector(pieces_[n].middle).norm() + pieces_[n].reach);
+  for (const CementPiece& p : pieces_) {
+    const std::size_t m = static_cast<std::size_t>(motion_of(p.grain));
+    if (m < tags_.size() && tags_[m] == p.grain) motions_[m].reach = std::max(motions_[m].reach, vector(p.middle).norm() + p.reach);
   }
   motion_of_body_.clear();
   for (const ContactBody& b : bodies) motion_of_body_.push_back(motion_of(b.tag));
-  for (std::size_t m = 0; m < motions_.size(); ++m) motions_[m].reach = reach[m];
   take_motions(bodies);
-  for (Group& g : found) {
-    g.body = motion_of(g.body);
-    if (g.other_body >= 0) g.other_body = motion_of(g.other_body);
-    add_candidates(g, walls, nearest, p_.skin);
-  }
-  slips_.resize(kMostNormals * candidates_.size());
-  for (const Group& g : groups_)
-    for (int i = g.begin; i < g.end; ++i) {
-      candidates_[i].slip = kMostNormals * i;
-      const auto before = slips.find(id_of(g, candidates_[i]));
-      if (before != slips.end()) std::copy(before->second.begin(), before->second.end(), &slips_[candidates_[i].slip]);
-    }
-  clear_overlaps(comm, walls);
-  int mine = !groups_.empty(), any;
-  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);
-  any_ = any;
 }
 
-void PieceContact::add_candidates(Group g, const WallFaces& walls, const NearestImage&, double skin) {
+void PieceContact::add_candidates(Group g, const WallFaces& walls, double margin) {
   const CementPiece& piece = pieces_[g.piece];
   const Motion& a = motions_[g.body];
   g.begin = static_cast<int>(candidates_.size());
   std::vector<int> faces;
   if (g.kind == kWall) {
     const Vector3 middle = a.x + a.R * vector(piece.middle) + vector(g.shift);
-    walls.faces_near(g.other, middle.data(), piece.reach + skin, faces);
+    walls.faces_near(g.other, middle.data(), piece.reach + margin, faces);
     if (faces.empty()) return;
   }
   for (int i = 0; i < piece.size; ++i) {
@@ -269,12 +280,12 @@ void PieceContact::add_candidates(Group g, const WallFaces& walls, const Nearest
     bool is_near = false;
     if (g.kind == kGrain) {
       const Motion& b = motions_[g.other_body];
-      is_near = (p - b.x - vector(g.shift)).norm() < b.radius + s.radius + skin;
+      is_near = (p - b.x - vector(g.shift)).norm() < b.radius + s.radius + margin;
     } else if (g.kind == kPiece) {
       const Motion& b = motions_[g.other_body];
       const CementPiece& other = pieces_[g.other];
       const Vector3 y = b.R.transpose() * (p - b.x - vector(g.shift)), my = b.R.transpose() * m;
-      const double far = (kSupport + 1.0) * other.spacing + std::max(s.radius, 0.0) + skin;
+      const double far = (kSupport + 1.0) * other.spacing + std::max(s.radius, 0.0) + margin;
       constexpr double kFacing = 0.2;  // surfaces may turn between two searches
       for (int j = 0; j < other.size; ++j)
         if ((y - vector(other.points[j].X)).squaredNorm() < far * far && my.dot(vector(other.points[j].normal)) < kFacing)
@@ -283,7 +294,7 @@ void PieceContact::add_candidates(Group g, const WallFaces& walls, const Nearest
     } else {
       const Vector3 in_box = p + vector(g.shift);
       for (int f : faces)
-        if (walls.nearest(g.other, f, in_box.data()).distance < s.radius + skin) near_.push_back(f);
+        if (walls.nearest(g.other, f, in_box.data()).distance < s.radius + margin) near_.push_back(f);
       is_near = static_cast<int>(near_.size()) > c.near_begin;
     }
     if (!is_near) continue;
@@ -532,8 +543,8 @@ bool PieceContact::find_forces(MPI_Comm comm, std::vector<ContactBody>& bodies, 
   double farthest = travel_;
   if (ranks_of(comm) > 1) MPI_Allreduce(&travel_, &farthest, 1, MPI_DOUBLE, MPI_MAX, comm);
   travel_ = farthest;
-  constexpr double kShare = 0.45;  // of the skin; two bodies that approach each other travel twice that, and one step more
-  return travel_ > kShare * p_.skin;
+  constexpr double kShare = 0.45;  // of the search margin; two bodies that approach each other travel twice that, and one step more
+  return travel_ > kShare * p_.search_margin;
 }
 
 namespace {

@@ -19,8 +19,8 @@
 // A surface that is made in contact has no force at first: the radii of its points are reduced by the overlap.
 //
 // Pieces are the same on all ranks. The rank that owns the grain of a piece finds its contacts. Candidates are searched
-// again when bodies may have moved half of the skin. A candidate with a gap is not looked at before both bodies may have
-// moved that far. Forces do not depend on when either is.
+// again when bodies may have moved half of the search margin. A candidate with a gap is not examined before both bodies
+// may have moved that far. Forces do not depend on when either is.
 #ifndef MPDEM_CONTACT_PIECE_CONTACT_H
 #define MPDEM_CONTACT_PIECE_CONTACT_H
 
@@ -69,7 +69,7 @@ class WallFaces {
 struct ContactOfPieces {
   double kn = 0.0, kt = 0.0;  // pressure per length
   double friction = 0.0;
-  double skin = 0.0;
+  double search_margin = 0.0;
 };
 
 class PieceContact {
@@ -180,12 +180,16 @@ class PieceContact {
     double reach = 0.0, path = 0.0;  // of its pieces from its centre; longest path of one of their points since the search
   };
   struct Touch;
+  struct KnownBody;
   Id id_of(const Group& g, const Candidate& c) const;
   SlipsById slips_of_all(MPI_Comm comm) const;
   void take_motions(const std::vector<ContactBody>& bodies);
   bool may_touch(const CementPiece& a, const CementPiece& b) const;
   bool may_touch(const CementPiece& a, int tag) const { return tag != a.grain && (tag != a.other || a.apart); }
-  void add_candidates(Group g, const WallFaces& walls, const NearestImage& nearest, double far);
+  std::vector<Group> groups_near(const std::vector<KnownBody>& known, int me, int walls, const NearestImage& nearest) const;
+  int motion_of(int tag) const;  // index in motions_
+  void set_motions(MPI_Comm comm, const std::vector<ContactBody>& bodies, const std::vector<Group>& found);
+  void add_candidates(Group g, const WallFaces& walls, double margin);
   // Return a distance by which the bodies have to move before they touch; 0 if they do.
   double find_sphere(const Group& g, const SurfacePoint& s, const Vector3& p, Touch& t) const;
   double find_surface(const Group& g, const Candidate& c, const Vector3& p, const Vector3& m, Touch& t) const;

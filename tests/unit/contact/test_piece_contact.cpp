@@ -282,7 +282,7 @@ TEST(PieceContact, BounceKeepsEnergy) {
   EXPECT_NEAR(bodies[0].v[2], speed, 1e-4 * speed);
 }
 
-// Debris that is pressed by a wall that moves rubs with mu times the normal force.
+// Cement that is pressed by a wall that moves has a friction of mu times the normal force.
 TEST(PieceContact, MovingWallRubs) {
   PieceContact contact;
   Plane wall;

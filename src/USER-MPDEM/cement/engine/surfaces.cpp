@@ -58,7 +58,7 @@ ContactOfPieces Cement::contact_parameters() const {
   c.kn = e.C33 / radius;
   c.kt = c.kn * 2.0 * (1.0 - nu) / (2.0 - nu);
   c.friction = scene_.friction();
-  c.skin = spacing;
+  c.search_margin = spacing;
   return c;
 }
 
