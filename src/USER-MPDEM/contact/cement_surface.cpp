@@ -14,18 +14,40 @@ namespace {
 
 using Cell = std::array<int, 3>;
 
-// Lattice cells that have a point of each side, ascending.
+// Lattice cells that have a point of each side: one bit a side in a box of cells.
 struct OccupiedCells {
-  std::vector<Cell> of_side[2];
+  Cell low{}, size{};
+  std::vector<unsigned char> sides;
   OccupiedCells(const BondRecord& record, const std::vector<PointOfCement>& points) {
+    Cell high{};
+    bool first = true;
+    for (const PointOfCement& p : points) {
+      if (p.thickness > 0.0) continue;
+      const Cell c = cell_of(record, p.X);
+      for (int d = 0; d < 3; ++d) {
+        low[d] = first ? c[d] : std::min(low[d], c[d]);
+        high[d] = first ? c[d] : std::max(high[d], c[d]);
+      }
+      first = false;
+    }
+    if (first) return;
+    for (int d = 0; d < 3; ++d) size[d] = high[d] - low[d] + 1;
+    sides.assign(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]), 0);
     for (const PointOfCement& p : points)
-      if (p.thickness == 0.0) of_side[p.side].push_back(cell_of(record, p.X));
-    for (std::vector<Cell>& cells : of_side) std::sort(cells.begin(), cells.end());
+      if (p.thickness == 0.0) sides[index_of(cell_of(record, p.X))] |= static_cast<unsigned char>(1 << p.side);
+  }
+  std::size_t index_of(const Cell& c) const {
+    const auto along = [&](int d) { return static_cast<std::size_t>(c[d] - low[d]); };
+    return (along(0) * static_cast<std::size_t>(size[1]) + along(1)) * static_cast<std::size_t>(size[2]) + along(2);
   }
   static Cell cell_of(const BondRecord& record, const double* X) {
     return {lattice_cell(record, 0, X[0]), lattice_cell(record, 1, X[1]), lattice_cell(record, 2, X[2])};
   }
-  bool has(int side, const Cell& c) const { return std::binary_search(of_side[side].begin(), of_side[side].end(), c); }
+  bool has(int side, const Cell& c) const {
+    for (int d = 0; d < 3; ++d)
+      if (c[d] < low[d] || c[d] >= low[d] + size[d]) return false;
+    return sides[index_of(c)] >> side & 1;
+  }
 };
 
 // Direction from the cement that is around a point to the empty places, zero if there is cement all around. exposed: is
@@ -83,6 +105,14 @@ std::vector<CementPiece> pieces_of(const BondRecord& record, int row, const std:
     piece.other = record.grain[1 - s];
     piece.apart = apart;
     piece.spacing = record.spacing;
+    double apart_by[3];
+    for (int d = 0; d < 3; ++d) apart_by[d] = record.centre[1 - s][d] - record.centre[s][d];
+    const std::array<double, 3> at = turned_back(rotation_of(record.orientation[s]), apart_by);
+    std::copy(at.begin(), at.end(), piece.other_at);
+    const double* q = record.orientation[s];
+    const double back[4] = {q[0], -q[1], -q[2], -q[3]};
+    const std::array<double, 4> turn = quaternion_product(back, record.orientation[1 - s]);
+    std::copy(turn.begin(), turn.end(), piece.other_turned);
   }
   for (const PointOfCement& p : points) {
     if (!record.has_grain(p.side) || (p.thickness > 0.0 && !apart)) continue;

@@ -48,6 +48,8 @@ struct CementPiece {
   bool apart = false;        // the bond is separated, so the piece touches the other grain and the other piece of its bond
   int size = 0;              // number of its points
   double spacing = 0.0;      // of the lattice
+  // Centre and orientation of the other grain when the cement was made, from the centre and in the axes of its own grain.
+  double other_at[3] = {0, 0, 0}, other_turned[4] = {1, 0, 0, 0};
   std::vector<SurfacePoint> points;
   // A sphere that contains the surface, from the centre of the grain, in axes fixed in it. Not in a record.
   double middle[3] = {0, 0, 0}, reach = 0.0;
@@ -64,6 +66,8 @@ struct CementPiece {
     visit("'is apart' of a piece", p.apart);
     visit("the number of points of a piece", p.size, kCount);
     visit("the spacing of a piece", p.spacing, kPositive);
+    visit("the place of the other grain of a piece", p.other_at, kFinite);
+    visit.rotation("the orientation of the other grain of a piece", p.other_turned);
   }
 };
 

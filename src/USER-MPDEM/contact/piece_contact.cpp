@@ -85,10 +85,30 @@ struct PieceContact::Touch {
   }
 };
 
-void PieceContact::replace(int row, std::vector<CementPiece> pieces) {
-  const auto of_row = [row](const CementPiece& p) { return p.row == row; };
-  pieces_.erase(std::remove_if(pieces_.begin(), pieces_.end(), of_row), pieces_.end());
-  for (CementPiece& p : pieces) pieces_.push_back(std::move(p));
+void PieceContact::replace(const std::vector<int>& rows, std::vector<std::vector<CementPiece>> pieces) {
+  const auto replaced = [&](int row) { return std::binary_search(rows.begin(), rows.end(), row); };
+  // the groups refer to the pieces by their places, which change
+  std::vector<KnownSlips> kept = std::move(kept_);
+  kept_.clear();
+  for (const KnownSlips& k : closed_slips()) kept.push_back(k);
+  for (const KnownSlips& k : kept) {
+    if (!replaced(k.id.row) && !(k.id.kind == kPiece && replaced(k.id.other))) {
+      kept_.push_back(k);
+      continue;
+    }
+    for (const CementPiece& p : pieces_)
+      if (p.row == k.id.row && p.side == k.id.side)
+        for (const Slip& slip : k.slips)
+          dissipated_ += 0.5 * p.points[static_cast<std::size_t>(k.id.point)].area * p_.kt * vector(slip.e).squaredNorm();
+  }
+  groups_.clear();
+  candidates_.clear();
+  slips_.clear();
+  loads_of_bonds_.clear();
+  contacts_.clear();
+  pieces_.erase(std::remove_if(pieces_.begin(), pieces_.end(), [&](const CementPiece& p) { return replaced(p.row); }), pieces_.end());
+  for (std::vector<CementPiece>& of_row : pieces)
+    for (CementPiece& p : of_row) pieces_.push_back(std::move(p));
   std::sort(pieces_.begin(), pieces_.end(), precedes);
 }
 
@@ -103,16 +123,22 @@ PieceContact::Id PieceContact::id_of(const Group& g, const Candidate& c) const {
   return {a.row, a.side, c.point, g.kind, g.other, 0};
 }
 
-PieceContact::SlipsById PieceContact::slips_of_all(MPI_Comm comm) const {
-  std::vector<KnownSlips> mine;
+std::vector<PieceContact::KnownSlips> PieceContact::closed_slips() const {
+  std::vector<KnownSlips> closed;
   for (const Group& g : groups_)
     for (int i = g.begin; i < g.end; ++i) {
       KnownSlips k;
       std::copy(&slips_[candidates_[i].slip], &slips_[candidates_[i].slip] + kMostNormals, k.slips);
       if (std::none_of(k.slips, k.slips + kMostNormals, [](const Slip& s) { return s.closed; })) continue;
       k.id = id_of(g, candidates_[i]);
-      mine.push_back(k);
+      closed.push_back(k);
     }
+  return closed;
+}
+
+PieceContact::SlipsById PieceContact::slips_of_all(MPI_Comm comm) const {
+  std::vector<KnownSlips> mine = closed_slips();
+  mine.insert(mine.end(), kept_.begin(), kept_.end());
   SlipsById slips = restored_;
   for (const KnownSlips& k : gather_all(comm, mine)) std::copy(k.slips, k.slips + kMostNormals, slips[k.id].begin());
   return slips;
@@ -146,6 +172,7 @@ void PieceContact::take_motions(const std::vector<ContactBody>& bodies) {
 void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies, const WallFaces& walls, const NearestImage& nearest) {
   const SlipsById slips = slips_of_all(comm);
   restored_.clear();
+  kept_.clear();
   groups_.clear();
   candidates_.clear();
   near_.clear();
@@ -159,7 +186,7 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
         {b.tag, me, b.radius, {b.x[0], b.x[1], b.x[2]}, {b.q[0], b.q[1], b.q[2], b.q[3]}, {b.to_box[0], b.to_box[1], b.to_box[2]}});
   known = gather_all(comm, known);
   std::sort(known.begin(), known.end(), [](const KnownBody& a, const KnownBody& b) { return a.tag < b.tag; });
-  std::vector<Group> found = groups_near(known, me, walls.walls(), nearest);
+  std::vector<Group> found = groups_near(known, me, walls, nearest);
   set_motions(comm, bodies, found);
   for (Group& g : found) {
     g.body = motion_of(g.body);
@@ -181,7 +208,7 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
 
 // Returns the pieces of this rank with all bodies near them. The groups have tags in place of indices of motions. known:
 // ascending in tags.
-std::vector<PieceContact::Group> PieceContact::groups_near(const std::vector<KnownBody>& known, int me, int walls,
+std::vector<PieceContact::Group> PieceContact::groups_near(const std::vector<KnownBody>& known, int me, const WallFaces& walls,
                                                            const NearestImage& nearest) const {
   const auto body_of = [&](int tag) {
     const auto k = std::lower_bound(known.begin(), known.end(), tag, [](const KnownBody& b, int t) { return b.tag < t; });
@@ -229,7 +256,8 @@ std::vector<PieceContact::Group> PieceContact::groups_near(const std::vector<Kno
       if (i > static_cast<int>(n) && carrier[i] >= 0 && may_touch(piece, pieces_[i]))
         add(kPiece, i, pieces_[i].grain, middles[i], pieces_[i].reach);
     });
-    for (int w = 0; w < walls; ++w) {
+    for (int w = 0; w < walls.walls(); ++w) {
+      if (!walls.acts_on(w, piece.grain)) continue;
       const double* to = known[k].to_box;
       found.push_back({static_cast<int>(n), kWall, w, piece.grain, -1, {to[0], to[1], to[2]}, 0, 0, -1});
     }
@@ -338,24 +366,42 @@ void PieceContact::clear_overlaps(MPI_Comm comm, const WallFaces& walls) {
 double PieceContact::overlap_of(const Group& g, const Candidate& c, const WallFaces& walls) const {
   const Motion& a = motions_[g.body];
   const SurfacePoint& s = pieces_[g.piece].points[c.point];
-  const Vector3 p = a.x + a.R * vector(s.X);
   if (g.kind == kWall) {
-    const Vector3 in_box = p + vector(g.shift);
+    const Vector3 in_box = a.x + a.R * vector(s.X) + vector(g.shift);
     double most = 0.0;
     for (int f = c.near_begin; f < c.near_end; ++f)
       most = std::max(most, s.radius - walls.nearest(g.other, near_[f], in_box.data()).distance);
     return most;
   }
-  Touch t;
-  if (g.kind == kGrain) find_sphere(g, s, p, t);
-  else find_surface(g, c, p, a.R * vector(s.normal), t);
-  return t.found ? -t.gap : 0.0;
+  const auto overlap = [&](const Motion& own, const Motion& other) {
+    Touch t;
+    const Vector3 at = own.x + own.R * vector(s.X);
+    if (g.kind == kGrain) find_sphere(other, s, at, t);
+    else find_surface(other, g, c, at, own.R * vector(s.normal), t);
+    return t.found ? -t.gap : 0.0;
+  };
+  const double now = overlap(a, shifted(g));
+  if (g.load < 0) return now;
+  // Within a bond the surfaces also fit where the cement was made.
+  const CementPiece& piece = pieces_[g.piece];
+  Motion own, other;
+  own.x = Vector3::Zero();
+  own.R = Matrix3::Identity();
+  other.x = vector(piece.other_at);
+  other.R = matrix_of(piece.other_turned);
+  other.radius = motions_[g.other_body].radius;
+  return std::max(now, overlap(own, other));
+}
+
+PieceContact::Motion PieceContact::shifted(const Group& g) const {
+  Motion b = motions_[g.other_body];
+  b.x += vector(g.shift);
+  return b;
 }
 
 // p: position of the point.
-double PieceContact::find_sphere(const Group& g, const SurfacePoint& s, const Vector3& p, Touch& t) const {
-  const Motion& b = motions_[g.other_body];
-  const Vector3 from = p - b.x - vector(g.shift);
+double PieceContact::find_sphere(const Motion& b, const SurfacePoint& s, const Vector3& p, Touch& t) const {
+  const Vector3 from = p - b.x;
   const double size = from.norm(), gap = size - b.radius - s.radius;
   if (gap >= 0.0) return gap;
   t.set(gap, s.area, from / size, p, s.radius);
@@ -363,11 +409,10 @@ double PieceContact::find_sphere(const Group& g, const SurfacePoint& s, const Ve
 }
 
 // m: normal of the point.
-double PieceContact::find_surface(const Group& g, const Candidate& c, const Vector3& p, const Vector3& m, Touch& t) const {
+double PieceContact::find_surface(const Motion& b, const Group& g, const Candidate& c, const Vector3& p, const Vector3& m, Touch& t) const {
   const SurfacePoint& s = pieces_[g.piece].points[c.point];
-  const Motion& b = motions_[g.other_body];
   const CementPiece& other = pieces_[g.other];
-  const Vector3 y = b.R.transpose() * (p - b.x - vector(g.shift)), my = b.R.transpose() * m;
+  const Vector3 y = b.R.transpose() * (p - b.x), my = b.R.transpose() * m;
   const double support = kSupport * other.spacing, inverse = 1.0 / (support * support);
   double weight = 0.0, height = 0.0, far = std::numeric_limits<double>::infinity();
   Vector3 n = Vector3::Zero();
@@ -395,7 +440,8 @@ double PieceContact::touch(const Group& g, const Candidate& c, double dt) {
   const SurfacePoint& point = pieces_[g.piece].points[c.point];
   const Vector3 p = a.x + a.R * vector(point.X);
   Touch t;
-  const double clear = g.kind == kGrain ? find_sphere(g, point, p, t) : find_surface(g, c, p, a.R * vector(point.normal), t);
+  const Motion b = shifted(g);
+  const double clear = g.kind == kGrain ? find_sphere(b, point, p, t) : find_surface(b, g, c, p, a.R * vector(point.normal), t);
   Slip& s = slips_[c.slip];
   if (t.found) {
     add_force(g, s, t, dt, a, &motions_[g.other_body]);

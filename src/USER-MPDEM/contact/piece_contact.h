@@ -58,6 +58,8 @@ class WallFaces {
     double distance;     // from the face
   };
   virtual int walls() const = 0;
+  // Does the wall act on the cement of that grain?
+  virtual bool acts_on(int wall, int grain) const = 0;
   // Numbers of the faces of a wall that may be nearer to x than `far`. Ascending.
   virtual void faces_near(int wall, const double* x, double far, std::vector<int>& faces) const = 0;
   virtual Nearest nearest(int wall, int face, const double* x) const = 0;
@@ -79,8 +81,9 @@ class PieceContact {
   using NearestImage = std::function<void(double*)>;
 
   void set(const ContactOfPieces& parameters) { p_ = parameters; }
-  // Replaces the pieces of a bond. The same on all ranks. Call search() before the next step.
-  void replace(int row, std::vector<CementPiece> pieces);
+  // Replaces the pieces of these bonds (ascending). The same on all ranks. Their contacts end. Call search() before the
+  // next step.
+  void replace(const std::vector<int>& rows, std::vector<std::vector<CementPiece>> pieces);
   const std::vector<CementPiece>& pieces() const { return pieces_; }  // ascending in row and side
 
   // Collective. Finds the candidates for contact. bodies: the grains of this rank, in any order, the same as in later
@@ -182,17 +185,20 @@ class PieceContact {
   struct Touch;
   struct KnownBody;
   Id id_of(const Group& g, const Candidate& c) const;
+  std::vector<KnownSlips> closed_slips() const;  // of this rank
   SlipsById slips_of_all(MPI_Comm comm) const;
   void take_motions(const std::vector<ContactBody>& bodies);
   bool may_touch(const CementPiece& a, const CementPiece& b) const;
   bool may_touch(const CementPiece& a, int tag) const { return tag != a.grain && (tag != a.other || a.apart); }
-  std::vector<Group> groups_near(const std::vector<KnownBody>& known, int me, int walls, const NearestImage& nearest) const;
+  std::vector<Group> groups_near(const std::vector<KnownBody>& known, int me, const WallFaces& walls, const NearestImage& nearest) const;
   int motion_of(int tag) const;  // index in motions_
   void set_motions(MPI_Comm comm, const std::vector<ContactBody>& bodies, const std::vector<Group>& found);
   void add_candidates(Group g, const WallFaces& walls, double margin);
   // Return a distance by which the bodies have to move before they touch; 0 if they do.
-  double find_sphere(const Group& g, const SurfacePoint& s, const Vector3& p, Touch& t) const;
-  double find_surface(const Group& g, const Candidate& c, const Vector3& p, const Vector3& m, Touch& t) const;
+  // b: the other body, with the shift of the group.
+  double find_sphere(const Motion& b, const SurfacePoint& s, const Vector3& p, Touch& t) const;
+  double find_surface(const Motion& b, const Group& g, const Candidate& c, const Vector3& p, const Vector3& m, Touch& t) const;
+  Motion shifted(const Group& g) const;
   double touch(const Group& g, const Candidate& c, double dt);
   double overlap_of(const Group& g, const Candidate& c, const WallFaces& walls) const;
   void clear_overlaps(MPI_Comm comm, const WallFaces& walls);
@@ -202,6 +208,7 @@ class PieceContact {
   ContactOfPieces p_;
   std::vector<CementPiece> pieces_;
   SlipsById restored_;
+  std::vector<KnownSlips> kept_;  // of this rank, since pieces were replaced
   std::vector<Group> groups_;
   std::vector<Candidate> candidates_;
   std::vector<int> near_;

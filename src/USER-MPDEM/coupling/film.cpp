@@ -259,8 +259,8 @@ void Film::open_faces(const L& law, const T& traction, const Rotations& turns, c
         }
         solve_in_series(soft, of_face, rest, step, grows_by);
         for (int i = 0; i < 3; ++i) {
-          f[i] -= masked(live, grows_by[i]);
-          for (int s = 0; s < 2; ++s) faces.open[s][i] += masked(live, step[s][i]);
+          f[i] -= masked(static_cast<std::uint8_t>(live & ~gone), grows_by[i]);  // a face that debonded keeps the opening at which it did
+          for (int s = 0; s < 2; ++s) faces.open[s][i] += masked(static_cast<std::uint8_t>(live & ~gone), step[s][i]);
         }
         // Of two faces in series only the more damaged one softens, and the other closes. Of equal ones that of grain `behind` does.
         typename T::State state[2] = {{faces.damage[0]}, {faces.damage[1]}};

@@ -51,10 +51,12 @@ class CondensedBonds {
                          double scaled_density);
   // Sets whether a row is condensed as rigid pieces. The same on all ranks. Call before solve().
   void set_in_pieces(int row, bool yes) {
-    if (yes) pieces_made_ += in_pieces_.insert(row).second;
+    if (yes) changes_of_surfaces_ += in_pieces_.insert(row).second;
     else in_pieces_.erase(row);
   }
-  int pieces_made() const { return pieces_made_; }  // grows with each row that becomes condensed as pieces
+  // Grows with each row that becomes condensed as pieces, and by note_departure(): a bond lost points.
+  int changes_of_surfaces() const { return changes_of_surfaces_; }
+  void note_departure() { ++changes_of_surfaces_; }
   bool is_in_pieces(int row) const { return in_pieces_.count(row) > 0; }
   int solved_last() const { return solved_last_; }  // number of solutions that this rank found last, templates included
   const std::vector<int>& without_field_last() const { return without_field_last_; }  // result of the last solve()
@@ -228,7 +230,7 @@ class CondensedBonds {
   int solved_last_ = 0;
   std::vector<int> without_field_last_;
   std::set<int> in_pieces_;
-  int pieces_made_ = 0;
+  int changes_of_surfaces_ = 0;
   std::set<int> cut_;  // rows that several ranks share, the same on all ranks
   struct Candidate {
     int layout = 0;                            // Bond::layout when it was solved

@@ -128,13 +128,14 @@ class Cement {
   }
 
   // Contact of the cement with other bodies, see contact/piece_contact.h. is_apart(): the bond is separated and moves as
-  // rigid pieces. pieces_made(): grows when a bond becomes apart. surfaces(): of these bonds, the same on all ranks;
+  // rigid pieces. changes_of_surfaces(): grows when a bond becomes apart or
+  // loses points. surfaces(): of these bonds, the same on all ranks;
   // collective. The host calls contact() with the motion of all its grains, and adds the forces to its own.
   PieceContact& contact() { return contact_; }
   bool has_contact() const;
   ContactOfPieces contact_parameters() const;
   bool is_apart(int row) const { return condensed_.is_in_pieces(row); }
-  int pieces_made() const { return condensed_.pieces_made(); }
+  int changes_of_surfaces() const { return condensed_.changes_of_surfaces(); }
   std::vector<std::vector<CementPiece>> surfaces(const std::vector<int>& rows) const;
 
   // Throws BadState if a node is not finite, a bonded grain is gone, cement is pressed too deep into a grain, or faces

@@ -217,6 +217,7 @@ std::vector<int> Condensing::rows_to_part() {
     if (!b) continue;
     sums[3 * n] = points_in_fragments(b->points);
     sums[3 * n + 1] = Cracks::count_broken(*b);
+    sums[3 * n + 2] += !b->film.empty();  // its columns have no other contact
     for (const auto& p : b->mechanisms) sums[3 * n + 2] += !scene_.options.condense && p->has_ended(b->points, b->grid);
   }
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, scene_.comm);

@@ -300,6 +300,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
     if (p.whole) ahead += ahead_of_condensed(p.row);
   }
   const std::vector<int> tags = take_out(of_rows, leaving);
+  condensed_.note_departure();
   discontinuities_.splits->remove_volume(scene_.comm, scene_.bonds(), scene_.options, leaving.rows);
   layout_manager_.move_phantom_nodes();
   layout_manager_.lay_out_again(leaving.rows, {}, {});

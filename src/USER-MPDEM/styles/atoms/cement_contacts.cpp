@@ -5,7 +5,11 @@
 #include <algorithm>
 
 #include "atom.h"
+#include "comm.h"
 #include "domain.h"
+#include "neighbor.h"
+#include "../../numerics/length.h"
+#include "../words/arguments.h"
 
 namespace mpdem {
 
@@ -17,33 +21,47 @@ void CementContacts::start_run(AtomVecMpdem& avec, Cement& cement) {
   cement.contact().set(cement.contact_parameters());
   take_surfaces(cement);
   search(avec, cement);
+  check_reach(cement);
   add_forces(avec, cement, 0.0);
 }
 
 void CementContacts::take_changes(AtomVecMpdem& avec, Cement& cement) {
-  if (!active_ || cement.pieces_made() == pieces_made_) return;
+  if (!active_ || cement.changes_of_surfaces() == changes_) return;
   take_surfaces(cement);
   search(avec, cement);
 }
 
-// Collective. Replaces the surfaces of bonds that are new or came apart since the last call.
+// Collective. Replaces the surfaces of bonds that are new, came apart, or lost points since the last call.
 void CementContacts::take_surfaces(Cement& cement) {
-  pieces_made_ = cement.pieces_made();
-  const std::size_t bonds = cement.bonds().table.size();
-  if (taken_.size() < bonds) {
-    taken_.resize(bonds, 0);
-    for (const CementPiece& p : cement.contact().pieces())
-      taken_[p.row] = static_cast<signed char>(p.apart ? 2 : 1);  // from a restart file
+  changes_ = cement.changes_of_surfaces();
+  const std::vector<BondRecord>& table = cement.bonds().table;
+  if (taken_.size() < table.size()) {
+    taken_.resize(table.size());
+    for (const CementPiece& p : cement.contact().pieces()) taken_[p.row] = {p.apart, table[p.row].points};  // from a restart file
   }
   std::vector<int> rows;
-  for (std::size_t row = 0; row < bonds; ++row) {
-    const signed char now = cement.is_apart(static_cast<int>(row)) ? 2 : 1;
-    if (taken_[row] != now) rows.push_back(static_cast<int>(row));
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    const Taken now{cement.is_apart(static_cast<int>(row)), table[row].points};
+    if (taken_[row].apart != now.apart || taken_[row].points != now.points) rows.push_back(static_cast<int>(row));
     taken_[row] = now;
   }
-  if (rows.empty()) return;
-  std::vector<std::vector<CementPiece>> surfaces = cement.surfaces(rows);
-  for (std::size_t n = 0; n < rows.size(); ++n) cement.contact().replace(rows[n], std::move(surfaces[n]));
+  if (!rows.empty()) cement.contact().replace(rows, cement.surfaces(rows));
+}
+
+// LIGGGHTS gives a rank the triangles that its grains may touch, up to half of the neighbour skin from their surfaces.
+void CementContacts::check_reach(Cement& cement) const {
+  if (lmp_->comm->nprocs == 1 || !walls_.any_mesh()) return;
+  double farthest = 0.0;
+  int grain = 0;
+  for (const CementPiece& p : cement.contact().pieces()) {
+    const BondRecord& record = cement.bonds().table[p.row];
+    const double beyond = length(p.middle) + p.reach - record.radius[p.side];
+    if (beyond > farthest) farthest = beyond, grain = p.grain;
+  }
+  if (farthest > 0.5 * lmp_->neighbor->skin)
+    stop_all(lmp_, text_of("fix mpm: with 'friction' and mesh walls on several ranks, cement may reach half of the 'neighbor' distance, ",
+                           lmp_->neighbor->skin, ", beyond its grain; that of grain ", grain, " reaches ", farthest,
+                           " beyond it; use a 'neighbor' of at least ", 2.1 * farthest, ", one rank, or primitive walls"));
 }
 
 void CementContacts::read_grains(AtomVecMpdem& avec) {
@@ -89,6 +107,7 @@ void CementContacts::search(AtomVecMpdem& avec, Cement& cement) {
 
 void CementContacts::add_forces(AtomVecMpdem& avec, Cement& cement, double dt) {
   if (!active_) return;
+  take_changes(avec, cement);  // cement may have left since the last step
   if (search_is_due_) search(avec, cement);
   else read_grains(avec);
   search_is_due_ = cement.contact().find_forces(lmp_->world, bodies_, walls_, dt);

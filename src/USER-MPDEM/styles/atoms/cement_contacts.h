@@ -30,6 +30,7 @@ class CementContacts {
 
  private:
   void take_surfaces(Cement& cement);
+  void check_reach(Cement& cement) const;
   void read_grains(LAMMPS_NS::AtomVecMpdem& avec);
   void search(LAMMPS_NS::AtomVecMpdem& avec, Cement& cement);
 
@@ -37,8 +38,13 @@ class CementContacts {
   LiggghtsWalls walls_;
   std::vector<int> atoms_;           // of the grains of this rank
   std::vector<ContactBody> bodies_;  // in the same order
-  std::vector<signed char> taken_;   // of each bond: surface of 0: none, 1: the whole bond, 2: pieces apart
-  int pieces_made_ = 0;
+  // Of each bond, when its surface was taken.
+  struct Taken {
+    bool apart = false;
+    int points = 0;
+  };
+  std::vector<Taken> taken_;
+  int changes_ = 0;
   bool active_ = false, search_is_due_ = true;
 };
 

@@ -7,6 +7,7 @@
 
 #include "../../numerics/length.h"
 #include "../../numerics/triangle.h"
+#include "../words/arguments.h"
 #include "atom.h"
 #include "fix_mesh_surface.h"
 #include "fix_wall_gran.h"
@@ -18,19 +19,50 @@ namespace mpdem {
 
 using namespace LAMMPS_NS;
 
+namespace {
+
+// `shear` of a primitive wall, for which LIGGGHTS has no accessor.
+struct Shear : FixWallGran {
+  static int is_on(const FixWallGran& w) { return w.*(&Shear::shear_); }
+  static int direction(const FixWallGran& w) { return w.*(&Shear::shearDim_); }
+  static int axis(const FixWallGran& w) { return w.*(&Shear::shearAxis_); }
+  static double speed(const FixWallGran& w) { return w.*(&Shear::vshear_); }
+};
+
+}  // namespace
+
 void LiggghtsWalls::find() {
   walls_.clear();
   const Modify& modify = *lmp_->modify;
   for (int n = 0; n < modify.nfix; ++n) {
     FixWallGran* wall = dynamic_cast<FixWallGran*>(modify.fix[n]);
     if (!wall) continue;
-    if (!wall->is_mesh_wall()) walls_.push_back({nullptr, wall->primitiveWall(), nullptr});
+    if (!wall->is_mesh_wall()) {
+      Wall w{nullptr, wall->primitiveWall(), wall->groupbit, {0.0, 0.0, 0.0}, nullptr};
+      if (Shear::is_on(*wall)) {
+        if (w.primitive->axis() >= 0 && Shear::axis(*wall) >= 0)
+          stop_all(lmp_, text_of("fix wall/gran (id ", wall->id,
+                                 "): 'shear' of a cylinder does not go with 'friction' of fix mpm/couple; "
+                                 "use a mesh with 'fix move/mesh rotate'"));
+        w.shear[Shear::direction(*wall)] = Shear::speed(*wall);
+      }
+      walls_.push_back(w);
+    }
     for (int m = 0; wall->is_mesh_wall() && m < wall->n_meshes(); ++m) {
       FixMeshSurface* mesh = wall->mesh_list()[m];
       auto* velocity = mesh->triMesh()->prop().getElementProperty<MultiVectorContainer<double, 3, 3>>("v");
-      walls_.push_back({mesh, nullptr, velocity ? velocity->begin() : nullptr});
+      walls_.push_back({mesh, nullptr, wall->groupbit, {0.0, 0.0, 0.0}, velocity ? velocity->begin() : nullptr});
     }
   }
+}
+
+bool LiggghtsWalls::acts_on(int wall, int grain) const {
+  const int i = lmp_->atom->map(grain);
+  return i >= 0 && (lmp_->atom->mask[i] & walls_[static_cast<std::size_t>(wall)].group);
+}
+
+bool LiggghtsWalls::any_mesh() const {
+  return std::any_of(walls_.begin(), walls_.end(), [](const Wall& w) { return w.mesh != nullptr; });
 }
 
 LiggghtsWalls::Triangle LiggghtsWalls::triangle(const Wall& w, int face) const {
@@ -67,7 +99,7 @@ WallFaces::Nearest LiggghtsWalls::nearest(int wall, int face, const double* x) c
   if (w.primitive) {
     double of_point[3] = {x[0], x[1], x[2]}, delta[3] = {0, 0, 0};
     n.distance = w.primitive->resolveContact(of_point, 0.0, delta);
-    for (int d = 0; d < 3; ++d) n.foot[d] = x[d] + delta[d];
+    for (int d = 0; d < 3; ++d) n.foot[d] = x[d] + delta[d], n.velocity[d] = w.shear[d];
     return n;
   }
   const Triangle t = triangle(w, face);
@@ -101,6 +133,7 @@ void LiggghtsWalls::add_force(int wall, int face, int grain, const double* force
 double LiggghtsWalls::largest_speed() const {
   double most = 0.0;
   for (const Wall& w : walls_) {
+    most = std::max(most, length(w.shear));
     const int all = w.velocity ? w.mesh->triMesh()->sizeLocal() + w.mesh->triMesh()->sizeGhost() : 0;
     for (int f = 0; f < all; ++f)
       for (int k = 0; k < 3; ++k) most = std::max(most, length(w.velocity[f][k]));

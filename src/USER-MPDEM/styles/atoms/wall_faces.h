@@ -27,15 +27,19 @@ class LiggghtsWalls : public WallFaces {
   void find();
 
   int walls() const override { return static_cast<int>(walls_.size()); }
+  bool acts_on(int wall, int grain) const override;
   void faces_near(int wall, const double* x, double far, std::vector<int>& faces) const override;
   Nearest nearest(int wall, int face, const double* x) const override;
   void add_force(int wall, int face, int grain, const double* force, const double* at) override;
   double largest_speed() const override;
+  bool any_mesh() const;
 
  private:
   struct Wall {
     LAMMPS_NS::FixMeshSurface* mesh;  // null: a primitive wall
     LAMMPS_NS::PrimitiveWall* primitive;
+    int group;           // bit of its group
+    double shear[3];     // velocity of a primitive wall, along itself
     double*** velocity;  // by triangle and corner; null for a mesh at rest
   };
   // Corners of a triangle, and their velocities, null for a mesh at rest.
