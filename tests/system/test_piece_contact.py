@@ -121,7 +121,7 @@ variable vx equal vx[3]
 def test_bead_rests_on_cement(tmp_path):
     """A bead that a force of 1 N presses on the cement of a pair comes to rest: the contact carries 1 N, with the energy of a spring
     that stiffens as more points touch, between F w/2 and F w/4 for the depth w by which the bead sank."""
-    scene = pair(2e-4, gap=3e-3, cement=in_cells("outer 3e-3"), half_box=(12e-3, 6e-3, 12e-3))
+    scene = pair(2e-4, gap=2.4e-3, cement=in_cells("outer 3e-3"), half_box=(12e-3, 6e-3, 12e-3))
     set_grains = "set          type 1 diameter 0.01 density 2500\n"
     scene = edit(scene, set_grains, "create_atoms 1 single -0.00401 0 0 units box\n" + set_grains)
     scene = edit(scene, "group        grains type 1\n", "group grains type 1\ngroup ball id 3\nset group ball diameter 0.002\n")
