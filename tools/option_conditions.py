@@ -56,7 +56,7 @@ OPTIONS = [
     (
         "friction",
         r"\b(?:faces_)?touches\(\)|\bfriction_?\b|\b(?:contacts?|faces)\.empty\(",
-        "debonded_contact.* contact_remapping.* crack_faces.* closing_points.*",
+        "debonded_contact.* contact_remapping.* crack_faces.* closing_points.* piece_contact.* cement_surface.* surfaces.cpp cement_contacts.*",
     ),
     ("leaves_residue", r"\bleaves_residue\(|\bresidue_?\b|\bis_residue\b|\bkLeavesResidue\b", "cohesive_traction.* traction_law.h"),
     ("substeps", r"\bsubsteps\b(?:\(\))?|\b(?:begins|ends)_step\(|\bsubcycle\b|\bsubstep\b|\bLoads::spread\b", "substeps.* spread_loads.* shared_impulse.*"),

@@ -295,7 +295,7 @@ LARGE_CLASSES = {
     "cement/engine/bond_table.h:CementTotals": (26, RECORD),
     "cement/engine/cement.h:Cement": (19, "its components, one each"),
     "cement/layout/cement_restart.h:CementHead": (24, RECORD),
-    "contact/piece_contact.h:PieceContact": (22, "to be divided: search for candidates"),
+    "contact/piece_contact.h:PieceContact": (23, "to be divided: search for candidates"),
     "cement/step/condensing.h:Condensing": (17, "what changed in a step, and the copies that queries look at"),
     "coupling/bond_ends.h:BondEnd": (17, RECORD),
     "coupling/condensed_pack.h:Block": (16, LOOPS),
