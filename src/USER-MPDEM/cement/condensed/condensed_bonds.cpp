@@ -557,6 +557,13 @@ double CondensedBonds::root_of_interface(const Solution& s, const Bond& b, const
          std::max(b.links.largest_onset_share(s.fields.separations, d), b.film.largest_onset_share(s.fields.faces, *s.interface, d));
 }
 
+double CondensedBonds::root_of_interface(const Bond& bond, const Law& law) const {
+  const int member = member_of(bond.row);
+  double d[6];
+  for (int j = 0; j < 6; ++j) d[j] = pack_.relative(member, j);
+  return root_of_interface(*members_[static_cast<std::size_t>(member)].solution, bond, d, law);
+}
+
 double CondensedBonds::largest_root(Bond& b, const BondRecord& record, int member, const CementOptions& options, const Law& law) const {
   show_strain(b, member);
   double d[6];

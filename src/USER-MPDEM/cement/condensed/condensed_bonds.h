@@ -128,6 +128,8 @@ class CondensedBonds {
   // Records the largest root of the driving force (mpm/field_drive.h) of the points of a condensed bond on all ranks.
   // Returns whether the bond is to be activated.
   bool note_check(int bond_row, double root, const CementOptions& options, const Law& law);
+  // Root of the driving force that stands for the interface of a condensed bond on this rank.
+  double root_of_interface(const Bond& bond, const Law& law) const;
   bool any_shared() const { return !cut_.empty(); }  // true if ranks share a condensed bond; the same on all ranks
   // Motion of the nodes of a bond by the static fields, three numbers a node. Velocities are those for grain velocities
   // plus `later` times the grain accelerations.

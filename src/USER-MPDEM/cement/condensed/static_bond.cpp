@@ -67,7 +67,8 @@ class Equations {
       shift_[i] = square * grid.mass[i];
       inverse_[i] = 1.0 / (d + shift_[i]);
     }
-    if (comm == MPI_COMM_SELF) factorise(least_pivot);
+    // Free nodes at the edge have almost no stiffness. Only the iteration gives them the same motion on any number of ranks.
+    if (comm == MPI_COMM_SELF && grid.constraints.size() > 0) factorise(least_pivot);
   }
 
   // Finds the force `out` on the nodes and `load` on the grains due to nodal displacements x and motions of the grains.

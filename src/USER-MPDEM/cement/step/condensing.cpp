@@ -141,8 +141,8 @@ std::vector<int> Condensing::rows_to_activate() {
     std::vector<double> roots(together.size(), 0.0);
     for (std::size_t n = 0; n < roots.size(); ++n)
       if (const Bond* b = scene_.bonds().find(together[n]))
-        roots[n] =
-            std::max(largest_root_of_drive(b->points, *scene_.law, &b->grid), largest_root_of_drive(b->film.points, *scene_.law, nullptr));
+        roots[n] = std::max({largest_root_of_drive(b->points, *scene_.law, &b->grid),
+                             largest_root_of_drive(b->film.points, *scene_.law, nullptr), condensed_.root_of_interface(*b, *scene_.law)});
     MPI_Allreduce(MPI_IN_PLACE, roots.data(), static_cast<int>(roots.size()), MPI_DOUBLE, MPI_MAX, scene_.comm);
     for (std::size_t n = 0; n < roots.size(); ++n)
       if (condensed_.note_check(together[n], roots[n], scene_.options, *scene_.law)) mine.push_back(together[n]);
