@@ -48,7 +48,7 @@ void CementContacts::take_surfaces(Cement& cement) {
   if (!rows.empty()) cement.contact().replace(rows, cement.surfaces(rows));
 }
 
-// LIGGGHTS gives a rank the triangles that its grains may touch, up to half of the neighbour skin from their surfaces.
+// LIGGGHTS gives a rank the triangles that its grains may touch, up to half of the distance of `neighbor` from their surfaces.
 void CementContacts::check_reach(Cement& cement) const {
   if (lmp_->comm->nprocs == 1 || !walls_.any_mesh()) return;
   double farthest = 0.0;
