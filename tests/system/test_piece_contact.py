@@ -119,8 +119,8 @@ variable vx equal vx[3]
 
 
 def test_bead_rests_on_cement(tmp_path):
-    """A bead that a force of 1 N presses on the cement of a pair comes to rest: the contact carries 1 N, with the energy of a spring
-    that stiffens as more points touch, between F w/2 and F w/4 for the depth w by which the bead sank."""
+    """A bead that a force of 1 N presses on the cement of a pair comes to rest within half a spacing of the surface, and the stored
+    energy is that of one to a hundred surface points in parallel. Closed forms of force and stiffness are in the unit tests."""
     scene = pair(2e-4, gap=2.4e-3, cement=in_cells("outer 3e-3"), half_box=(12e-3, 6e-3, 12e-3))
     set_grains = "set          type 1 diameter 0.01 density 2500\n"
     scene = edit(scene, set_grains, "create_atoms 1 single -0.00401 0 0 units box\n" + set_grains)
@@ -133,7 +133,6 @@ fix hold first move linear 0 0 0
 fix held second move linear 0 0 0
 variable x equal x[3]
 variable vx equal vx[3]
-variable push equal f_bond[1]+f_bond[7]
 """
     moves += thermo(1000, ["v_x", "v_vx", "f_cem[37]"]) + "run 12000\n"
     text = cement(4e-4, 2e-8, CALCITE, axis="radial", damage="damage tensor B0 9.6e3 condense yes", couple="kn auto kt auto friction 0.3")

@@ -114,6 +114,16 @@ struct Facing {
     bodies[1].x[2] = 2.0 * kTop - overlap;
     return forces(contact, wall, bodies, dt);
   }
+  // The upper piece is pressed and moves along x. Returns the forces after the last step.
+  std::vector<ContactBody> slide(int steps) {
+    std::vector<ContactBody> f;
+    bodies[1].v[0] = 1.0;
+    for (int n = 0; n < steps; ++n) {
+      bodies[1].x[0] += 1e-8;
+      f = at(2e-6, 1e-8);
+    }
+    return f;
+  }
 };
 
 TEST(PieceContact, OnAPlane) {
@@ -236,20 +246,11 @@ TEST(PieceContact, NewSurfacesStartWithoutForce) {
 // A search in between, and a restart, change nothing, not even the last bit.
 TEST(PieceContact, SearchAndRestartChangeNothing) {
   Facing pair, searched, again;
-  const auto go = [](Facing& p, int steps) {
-    std::vector<ContactBody> f;
-    p.bodies[1].v[0] = 1.0;
-    for (int n = 0; n < steps; ++n) {
-      p.bodies[1].x[0] += 1e-8;
-      f = p.at(2e-6, 1e-8);
-    }
-    return f;
-  };
-  go(pair, 150);
+  pair.slide(150);
   const std::vector<double> state = pair.contact.packed(MPI_COMM_WORLD);
-  go(searched, 70);
+  searched.slide(70);
   searched.search();
-  go(searched, 80);
+  searched.slide(80);
   PieceContact restored;
   restored.set(kLaw);
   RecordReader in(state.data(), state.data() + state.size());
@@ -259,7 +260,7 @@ TEST(PieceContact, SearchAndRestartChangeNothing) {
   again.contact = std::move(restored);
   again.bodies = pair.bodies;
   again.search();
-  const std::vector<ContactBody> a = go(pair, 50), b = go(searched, 50), c = go(again, 50);
+  const std::vector<ContactBody> a = pair.slide(50), b = searched.slide(50), c = again.slide(50);
   for (int d = 0; d < 3; ++d) {
     EXPECT_EQ(a[1].force[d], b[1].force[d]);
     EXPECT_EQ(a[1].force[d], c[1].force[d]);
@@ -270,26 +271,17 @@ TEST(PieceContact, SearchAndRestartChangeNothing) {
 // Pieces of another bond that come or go change no contact of others, whatever their place in the list.
 TEST(PieceContact, OtherPiecesChangeNothing) {
   Facing pair, other;
-  const auto go = [](Facing& p, int steps) {
-    std::vector<ContactBody> f;
-    p.bodies[1].v[0] = 1.0;
-    for (int n = 0; n < steps; ++n) {
-      p.bodies[1].x[0] += 1e-8;
-      f = p.at(2e-6, 1e-8);
-    }
-    return f;
-  };
   for (Facing* p : {&pair, &other}) {
     p->contact.replace({1, 2}, {{}, {square(2, 0, 2, 8, -1.0)}});
     p->search();
   }
-  go(pair, 70), go(other, 70);
+  pair.slide(70), other.slide(70);
   other.contact.replace({1}, {{square(1, 0, 5, 6, 1.0), square(1, 1, 6, 5, 1.0)}});
   other.search();
-  go(pair, 20), go(other, 20);
+  pair.slide(20), other.slide(20);
   other.contact.replace({1}, {{}});
   other.search();
-  const std::vector<ContactBody> a = go(pair, 20), b = go(other, 20);
+  const std::vector<ContactBody> a = pair.slide(20), b = other.slide(20);
   EXPECT_LT(a[1].force[0], -1.0);
   for (int d = 0; d < 3; ++d) EXPECT_EQ(a[1].force[d], b[1].force[d]);
 }
