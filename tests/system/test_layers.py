@@ -295,7 +295,6 @@ LARGE_CLASSES = {
     "cement/engine/bond_table.h:CementTotals": (26, RECORD),
     "cement/engine/cement.h:Cement": (19, "its components, one each"),
     "cement/layout/cement_restart.h:CementHead": (24, RECORD),
-    "contact/piece_contact.h:PieceContact": (24, "to be divided: search for candidates"),
     "cement/step/condensing.h:Condensing": (17, "what changed in a step, and the copies that queries look at"),
     "coupling/bond_ends.h:BondEnd": (17, RECORD),
     "coupling/condensed_pack.h:Block": (16, LOOPS),
@@ -317,7 +316,6 @@ LARGE_CLASSES = {
 LONG_FILES = {
     "cement/bond/bonded_grains.cpp": (548, "see BondedGrains"),
     "cement/condensed/condensed_bonds.cpp": (644, "to be divided: solutions"),
-    "contact/piece_contact.cpp": (663, "to be divided: search for candidates"),
     "coupling/debonded_contact.cpp": (522, "one class"),
     "coupling/film.cpp": (610, "one class: columns and their faces"),
     "coupling/penalty_links.cpp": (597, "one class and its loops"),

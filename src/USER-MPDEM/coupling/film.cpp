@@ -186,13 +186,11 @@ void Film::debond(int slot, bool by_face) {
 
 // The force of a column on its face at grain 1 with the present damage and the present openings of the faces, in the
 // axes of the creation. Each grain gives a rotation to these axes. They differ by the order of the strain, so the mean
-// of both results is taken.
+// of both results is taken. Returns the deformation gradient.
 template <class L>
-void Film::force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* bond_ends, vd* f) const {
+Mat3<vd> Film::force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* bond_ends, vd* f) const {
   const PointBlock& p = points.blocks[b];
-  const BlockMeta& m = points.meta[b];
-  const Column& c = columns_[b];
-  vd r[2][3], g[3];
+  vd r[2][3];
   Mat3<vd> F, dF;
   deform(b, turns, bond_ends, r, F);
   F = blend(lanes(carrying(b)), F, p.F);
@@ -201,6 +199,17 @@ void Film::force_on_face(const L& law, std::size_t b, const Rotations& turns, co
   Frame q = p.q;
   Sym3<vd> strain = p.strain;
   advance_strain(p.F, dF, q, strain);
+  force_of_column(law, b, turns, F, q, strain, f);
+  return F;
+}
+
+// The same for a deformation gradient, frame and strain.
+template <class L>
+void Film::force_of_column(const L& law, std::size_t b, const Rotations& turns, const Mat3<vd>& F, const Frame& q, const Sym3<vd>& strain,
+                           vd* f) const {
+  const BlockMeta& m = points.meta[b];
+  const Column& c = columns_[b];
+  vd g[3];
   const Sym3<vd> stress = m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
   const Mat3<vd> weighted = weighted_piola(F, q, stress, volume_that_carries(static_cast<int>(b)));
   for (int i = 0; i < 3; ++i) g[i] = c.inverse_t * (weighted.a[i][0] * c.N[0] + weighted.a[i][1] * c.N[1] + weighted.a[i][2] * c.N[2]);
@@ -236,7 +245,11 @@ void Film::open_faces(const L& law, const T& traction, const Rotations& turns, c
                floor = 1e-12 * law.elasticity().C44 * per_length;  // per_length: A/t; floor: keeps compliances finite
       const Mat3<vd> soft = along_and_across(1.0 / (law.elasticity().C33 * per_length), 1.0 / (law.elasticity().C44 * per_length), c.N);
       vd f[3];
-      force_on_face(law, b, turns, ends, f);
+      const Mat3<vd> F_unopened = force_on_face(law, b, turns, ends, f);
+      const Faces at_start = faces;
+      const vd energy_at_start = energy_of_faces(traction, b);
+      vd spent{};  // energy that damage of the faces dissipates
+      vmask any_grown{};
       const int behind = grain_behind_of(c, live);
       std::uint8_t gone = 0;
       vmask softens[2] = {};
@@ -272,15 +285,27 @@ void Film::open_faces(const L& law, const T& traction, const Rotations& turns, c
         for (int s = 0; s < 2; ++s) {
           softens[s] = grows[s];
           faces.damage[s] = select(grows[s], state[s].d, faces.damage[s]);
-          result.dissipated += sum_lanes(select(grows[s], c.area[s] * u[s].dissipated, vd{}));
+          spent += select(grows[s], c.area[s] * u[s].dissipated, vd{});
+          any_grown = any_grown | grows[s];
           gone |= static_cast<std::uint8_t>(bits(u[s].debond & grows[s]));
         }
       }
       write_faces(static_cast<int>(b));
-      if (!gone) continue;
-      // The column releases its energy, and so does the other face.
-      result.released += sum_lanes(
-          masked(gone, energy_of_faces(traction, b) + 0.5 * p.volume * contract(stress_of(points, static_cast<int>(b), law), p.strain)));
+      if (!any(any_grown)) continue;
+      result.dissipated += sum_lanes(spent);
+      // A column shortens as its faces soften. What it gives up and the faces do not take is released: in a jump, and where a face debonds.
+      vd before[3], after[3], work{};
+      force_of_column(law, b, turns, p.F, p.q, p.strain, before);
+      force_on_face(law, b, turns, ends, after);
+      for (int s = 0; s < 2; ++s)
+        for (int i = 0; i < 3; ++i) work += (s == 1 ? 0.5 : -0.5) * (before[i] + after[i]) * (faces.open[s][i] - at_start.open[s][i]);
+      const vd left_over = work - (energy_of_faces(traction, b) - energy_at_start) - spent;
+      const Sym3<vd> stress = stress_of(points, static_cast<int>(b), law);
+      const Mat3<vd> weighted = weighted_piola(p.F, p.q, stress, p.volume);
+      vd all = energy_at_start + 0.5 * p.volume * contract(stress, p.strain);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) all -= 0.5 * weighted.a[i][j] * (F_unopened.a[i][j] - p.F.a[i][j]);
+      result.released += sum_lanes(select(any_grown, select(lanes(gone), all - spent, left_over), vd{}));
       for (int l = 0; l < kLanes; ++l)
         if (gone >> l & 1) debond(kLanes * static_cast<int>(b) + l, true);
     }

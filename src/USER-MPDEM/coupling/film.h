@@ -135,7 +135,10 @@ class Film {
   template <class L, class T>
   void open_faces(const L& law, const T& traction, const Rotations& turns, const BondEnd* ends, AdvanceResult& result);
   template <class L>
-  void force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* ends, vd* f) const;
+  Mat3<vd> force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* ends, vd* f) const;
+  template <class L>
+  void force_of_column(const L& law, std::size_t b, const Rotations& turns, const Mat3<vd>& F, const Frame& q, const Sym3<vd>& strain,
+                       vd* f) const;
   template <class T>
   vd energy_of_faces(const T& traction, std::size_t b) const;
   void debond(int slot, bool by_face);  // by_face: a face of the column debonded; else its point failed

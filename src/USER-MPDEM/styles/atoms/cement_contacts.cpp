@@ -93,7 +93,7 @@ void CementContacts::search(AtomVecMpdem& avec, Cement& cement) {
   }
   read_grains(avec);
   const Domain& domain = *lmp_->domain;
-  PieceContact::NearestImage nearest;
+  NearestImage nearest;
   if (domain.xperiodic || domain.yperiodic || domain.zperiodic)
     nearest = [this](double* d) {
       const Domain& box = *lmp_->domain;
