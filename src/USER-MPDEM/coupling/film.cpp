@@ -117,6 +117,8 @@ void Film::lay_out(const BondRecord& record, const std::shared_ptr<const Law>& l
   second_grain_ = record.grain[1];
   for (int s = 0; s < 2; ++s) orientation_[s] = rotation_of(record.orientation[s]);
   columns_.assign(points.blocks.size(), Column{});
+  for (Column& c : columns_)
+    for (auto& of_grain : c.link) std::fill(of_grain, of_grain + kLanes, -1);
   faces_.assign(points.blocks.size(), Faces{});
   points.softening.assign(points.blocks.size(), splat(law->softening_of_layer(1.0)));
   bool opened = false;
@@ -141,6 +143,7 @@ void Film::lay_out(const BondRecord& record, const std::shared_ptr<const Law>& l
     }
     for (int s = 0; s < 2; ++s) {
       c.area[s][l] = ends[slot][s]->area;
+      c.link[s][l] = static_cast<int>(ends[slot][s] - points.links.data());
       faces_[b].damage[s][l] = ends[slot][s]->state[0];
       opened = opened || ends[slot][s]->state[0] > 0.0 || ends[slot][s]->moved[0] != 0.0 || ends[slot][s]->moved[1] != 0.0 ||
                ends[slot][s]->moved[2] != 0.0;
@@ -233,6 +236,7 @@ void Film::open_faces(const L& law, const T& traction, const Rotations& turns, c
   if constexpr (T::kFields > 0) {
     static_assert(T::kFields == 1, "a face keeps its damage");
     constexpr int kIterations = 6;
+    constexpr double kClosed = 1e-10;    // largest difference of the forces of column and faces at the end, over the force
     constexpr double kSoftening = 1e-3;  // tangent of a face that softens, over its secant: negligible beside the column
     if (faces_.empty()) faces_.assign(points.blocks.size(), Faces{});
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
@@ -252,9 +256,9 @@ void Film::open_faces(const L& law, const T& traction, const Rotations& turns, c
       vmask any_grown{};
       const int behind = grain_behind_of(c, live);
       std::uint8_t gone = 0;
-      vmask softens[2] = {};
+      vmask softens[2] = {}, goes_on = lanes(live);
       for (int k = 0; k < kIterations; ++k) {
-        vd rest[2][3], step[2][3], grows_by[3];
+        vd rest[2][3], step[2][3], grows_by[3], square{}, square_of_force = splat(1e-300);
         Mat3<vd> of_face[2];
         for (int s = 0; s < 2; ++s) {
           const LinkSeparation delta = separation(faces.open[s], c.normal[s]);
@@ -270,18 +274,24 @@ void Film::open_faces(const L& law, const T& traction, const Rotations& turns, c
           for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) of_face[s].a[i][j] += softening_compliance * open[i] * open[j];
         }
+        for (int i = 0; i < 3; ++i) {
+          square += rest[0][i] * rest[0][i] + rest[1][i] * rest[1][i];
+          square_of_force += f[i] * f[i];
+        }
+        // A lane ends by itself, so that its result does not depend on the others. A face that debonded keeps the opening at which it did.
+        goes_on = goes_on & ~lanes(gone) & (softens[0] | softens[1] | (square > kClosed * kClosed * square_of_force));
+        if (!any(goes_on)) break;
         solve_in_series(soft, of_face, rest, step, grows_by);
         for (int i = 0; i < 3; ++i) {
-          f[i] -= masked(static_cast<std::uint8_t>(live & ~gone), grows_by[i]);  // a face that debonded keeps the opening at which it did
-          for (int s = 0; s < 2; ++s) faces.open[s][i] += masked(static_cast<std::uint8_t>(live & ~gone), step[s][i]);
+          f[i] -= select(goes_on, grows_by[i], vd{});
+          for (int s = 0; s < 2; ++s) faces.open[s][i] += select(goes_on, step[s][i], vd{});
         }
         // Of two faces in series only the more damaged one softens, and the other closes. Of equal ones that of grain `behind` does.
         typename T::State state[2] = {{faces.damage[0]}, {faces.damage[1]}};
         TractionUpdate u[2];
         for (int s = 0; s < 2; ++s) u[s] = traction.update(separation(faces.open[s], c.normal[s]), state[s]);
         const vmask second_first = (faces.damage[1] > faces.damage[0]) | ((faces.damage[1] == faces.damage[0]) & splat_mask(behind == 1));
-        const vmask grows[2] = {u[0].grown & ~(second_first & u[1].grown) & lanes(live),
-                                u[1].grown & ~(~second_first & u[0].grown) & lanes(live)};
+        const vmask grows[2] = {u[0].grown & ~(second_first & u[1].grown) & goes_on, u[1].grown & ~(~second_first & u[0].grown) & goes_on};
         for (int s = 0; s < 2; ++s) {
           softens[s] = grows[s];
           faces.damage[s] = select(grows[s], state[s].d, faces.damage[s]);
@@ -333,15 +343,13 @@ double Film::energy_of_faces(const TractionLaw* of_any_kind) const {
 
 // Restart files and other ranks get the state of the faces with the links.
 void Film::write_faces(int b) {
-  for (int l = 0; l < kLanes; ++l) {
-    if (!(points.meta[b].occupied >> l & 1)) continue;
-    const auto [first, last] = of_slot(points.links, kLanes * b + l);
-    for (auto k = first; k != last; ++k) {
-      const int s = k->grain == second_grain_;
-      for (int d = 0; d < 3; ++d) k->moved[d] = faces_[b].open[s][d][l];
-      k->state[0] = faces_[b].damage[s][l];
+  for (int l = 0; l < kLanes; ++l)
+    for (int s = 0; s < 2; ++s) {
+      if (columns_[b].link[s][l] < 0) continue;
+      Link& k = points.links[static_cast<std::size_t>(columns_[b].link[s][l])];
+      for (int d = 0; d < 3; ++d) k.moved[d] = faces_[b].open[s][d][l];
+      k.state[0] = faces_[b].damage[s][l];
     }
-  }
 }
 
 void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* faces, double dt, const AdvanceOptions& given,

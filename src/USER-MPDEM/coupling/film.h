@@ -115,6 +115,7 @@ class Film {
     vd N[3];       // zero in empty lanes
     vd inverse_t;
     vd normal[2][3], area[2];  // of the faces: outward normals of the grains at the creation, areas
+    int link[2][kLanes];       // indices in the links of the store, -1 where there is none
     std::uint8_t cut = 0;      // lanes in which a face debonded
   };
   struct Faces {
