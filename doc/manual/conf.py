@@ -18,17 +18,15 @@ project = "USER-MPDEM"
 author = "The USER-MPDEM developers"
 project_copyright = author
 release = found[1]
-extensions = ["myst_parser", "sphinx.ext.mathjax"]
+extensions = ["myst_parser"]
 root_doc = "doc/manual/contents"
-include_patterns = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "doc/*.md", "doc/manual/contents.md", "patches/README.md", "tests/mutation/README.md"]
+include_patterns = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "doc/*.md", "doc/manual/contents.rst", "patches/README.md", "tests/mutation/README.md"]
 myst_heading_anchors = 5  # links to headings use the names that GitHub gives them
-myst_enable_extensions = ["dollarmath"]
 html_theme = "furo"
 html_title = f"{project} {release}"
 html_show_sourcelink = False
 html_copy_source = False
-mathjax_path = "MathJax.js?config=TeX-AMS-MML_HTMLorMML"  # `make docs` links Debian's libjs-mathjax to _static
-html_static_path = ["/usr/share/javascript/mathjax"] if Path("/usr/share/javascript/mathjax/MathJax.js").exists() else []
+html_extra_path = ["front"]
 latex_engine = "xelatex"
 latex_documents = [(root_doc, "user-mpdem.tex", f"{project} {release}", author, "manual")]
 
@@ -57,6 +55,16 @@ class ScriptLexer(RegexLexer):
     }
 
 
+def pages():
+    """All pages of the manual."""
+    return [ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "patches/README.md")] + sorted((ROOT / "doc").glob("*.md"))
+
+
+def languages():
+    """Languages of the blocks of code; the tests tell fragments, templates and whole scripts apart by them."""
+    return {language for page in pages() for language in re.findall(r"^```([\w-]+)", page.read_text(encoding="utf-8"), re.MULTILINE)}
+
+
 ANCHOR = re.compile(r'^<a id="([\w-]+)"></a>', re.MULTILINE)
 LINK = re.compile(r"\]\(([^()\s#]*)#([\w-]+)\)")
 
@@ -68,8 +76,7 @@ def label_of(page, name):
 
 def anchors():
     """Names of the anchors that pages set themselves, by page."""
-    pages = [ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")] + sorted((ROOT / "doc").glob("*.md"))
-    return {str(page.relative_to(ROOT)): set(ANCHOR.findall(page.read_text(encoding="utf-8"))) for page in pages}
+    return {str(page.relative_to(ROOT)): set(ANCHOR.findall(page.read_text(encoding="utf-8"))) for page in pages()}
 
 
 def for_myst(known, page, text):
@@ -86,7 +93,8 @@ def setup(app):
     known = anchors()
     app.connect("source-read", lambda _app, name, source: source.__setitem__(0, for_myst(known, f"{name}.md", source[0])))
     app.add_lexer("liggghts", ScriptLexer)
-    for alias in ("liggghts-fragment", "liggghts-restart"):
-        app.add_lexer(alias, ScriptLexer)
-    for alias in ("sh-template",):
-        app.add_lexer(alias, BashLexer)
+    for language in languages():
+        if language.startswith("liggghts-"):
+            app.add_lexer(language, ScriptLexer)
+        if language.startswith("sh-"):
+            app.add_lexer(language, BashLexer)
