@@ -7,7 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../material/laws.h"
+#include "../mpm/material_runs.h"
+#include "../mpm/point_scatter.h"
 #include "../mpm/point_state.h"
 #include "../mpm/point_stress.h"
 #include "traction_laws.h"
@@ -118,7 +119,10 @@ void Film::lay_out(const BondRecord& record, const std::shared_ptr<const Law>& l
   for (int s = 0; s < 2; ++s) orientation_[s] = rotation_of(record.orientation[s]);
   columns_.assign(points.blocks.size(), Column{});
   faces_.assign(points.blocks.size(), Faces{});
-  points.softening.assign(points.blocks.size(), splat(law->softening_of_layer(1.0)));
+  points.softening.clear();
+  for (std::size_t b = 0; b < points.blocks.size(); ++b)
+    points.softening.push_back(splat(law_of_block(points, *law, static_cast<int>(b)).softening_of_layer(1.0)));
+  find_scatter(points, record);
   bool opened = false;
   std::vector<std::array<const Link*, 2>> ends(kLanes * points.blocks.size(), {nullptr, nullptr});
   for (const Link& k : points.links) ends[k.slot][k.grain == record.grain[1]] = &k;
@@ -130,7 +134,7 @@ void Film::lay_out(const BondRecord& record, const std::shared_ptr<const Law>& l
     const double t = along.norm();
     Column& c = columns_[b];
     c.inverse_t[l] = 1.0 / t;
-    points.softening[b][l] = law->softening_of_layer(t);
+    points.softening[b][l] = law_of_block(points, *law, static_cast<int>(b)).softening_of_layer(t);
     for (int d = 0; d < 3; ++d) {
       c.N[d][l] = along[d] / t;
       for (int s = 0; s < 2; ++s) {
@@ -202,7 +206,7 @@ void Film::force_on_face(const L& law, std::size_t b, const Rotations& turns, co
   Sym3<vd> strain = p.strain;
   advance_strain(p.F, dF, q, strain);
   const Sym3<vd> stress = m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
-  const Mat3<vd> weighted = weighted_piola(F, q, stress, volume_that_carries(static_cast<int>(b)));
+  const Mat3<vd> weighted = weighted_piola(F, q, stress, stiff_volume(static_cast<int>(b)));
   for (int i = 0; i < 3; ++i) g[i] = c.inverse_t * (weighted.a[i][0] * c.N[0] + weighted.a[i][1] * c.N[1] + weighted.a[i][2] * c.N[2]);
   for (int i = 0; i < 3; ++i) {
     const auto back = [&](int s) { return turns.Q[s].a[0][i] * g[0] + turns.Q[s].a[1][i] * g[1] + turns.Q[s].a[2][i] * g[2]; };
@@ -220,19 +224,20 @@ int Film::grain_behind_of(const Column& c, std::uint8_t live) {
 
 // The column is approximated by a spring along N and one across, which the next step corrects.
 template <class L, class T>
-void Film::open_faces(const L& law, const T& traction, const Rotations& turns, const BondEnd* ends, AdvanceResult& result) {
+void Film::open_faces(int first, int last, const L& law, const T& traction, const Rotations& turns, const BondEnd* ends,
+                      AdvanceResult& result) {
   if constexpr (T::kFields > 0) {
     static_assert(T::kFields == 1, "a face keeps its damage");
     constexpr int kIterations = 6;
     constexpr double kSoftening = 1e-3;  // tangent of a face that softens, over its secant: negligible beside the column
     if (faces_.empty()) faces_.assign(points.blocks.size(), Faces{});
-    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    for (std::size_t b = static_cast<std::size_t>(first); b < static_cast<std::size_t>(last); ++b) {
       const std::uint8_t live = carrying(b);
       if (!live) continue;
       const PointBlock& p = points.blocks[b];
       const Column& c = columns_[b];
       Faces& faces = faces_[b];
-      const vd per_length = select(lanes(live), p.volume * c.inverse_t * c.inverse_t, splat(1.0)),
+      const vd per_length = select(lanes(live), stiff_volume(static_cast<int>(b)) * c.inverse_t * c.inverse_t, splat(1.0)),
                floor = 1e-12 * law.elasticity().C44 * per_length;  // per_length: A/t; floor: keeps compliances finite
       const Mat3<vd> soft = along_and_across(1.0 / (law.elasticity().C33 * per_length), 1.0 / (law.elasticity().C44 * per_length), c.N);
       vd f[3];
@@ -301,7 +306,8 @@ double Film::energy_of_faces(const TractionLaw* of_any_kind) const {
   double sum = 0.0;
   if (!of_any_kind || faces_.empty()) return sum;
   with_traction(*of_any_kind, [&](const auto& traction) {
-    for (std::size_t b = 0; b < faces_.size(); ++b) sum += sum_lanes(masked(carrying(b), energy_of_faces(traction, b)));
+    for (std::size_t b = 0; b < faces_.size(); ++b)
+      sum += sum_lanes(masked(carrying(b), energy_of_faces(traction.same_kind(points.meta[b].material), b)));
   });
   return sum;
 }
@@ -328,9 +334,11 @@ void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* fac
   options.nonlocal = false;  // a column is its own neighbourhood: it softens by its thickness
   const Rotations rotations_now = turns(ends);
   Loads loads;
-  with_law(of_any_kind, [&](const auto& law) {
+  for_each_material(points, of_any_kind, [&](const auto& law, int first, int last) {
     using L = std::decay_t<decltype(law)>;
-    if (faces) with_traction(*faces, [&](const auto& traction) { open_faces(law, traction, rotations_now, ends, result); });
+    if (faces)
+      with_traction(faces->of_material(points.meta[first].material),
+                    [&](const auto& traction) { open_faces(first, last, law, traction, rotations_now, ends, result); });
     PointStress<L> stress_at_end(points, law, dt, options, {}, result);
     PassClock clock(result.ticks);
     const auto load = [&](int b, const Sym3<vd>& stress) {
@@ -340,7 +348,7 @@ void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* fac
       const PointBlock& p = points.blocks[b];
       loads.add(weighted_piola(p.F, p.q, stress, volume_that_carries(b)), columns_[b], r);
     };
-    for (int b = 0, n = static_cast<int>(points.blocks.size()); b < n; ++b) {
+    for (int b = first; b < last; ++b) {
       const BlockMeta& m = points.meta[b];
       if (!carrying(static_cast<std::size_t>(b))) continue;
       PointBlock& p = points.blocks[b];
@@ -367,7 +375,10 @@ void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* fac
   std::sort(failed.begin(), failed.end());
   if (faces && !faces_.empty() && !failed.empty())
     with_traction(*faces, [&](const auto& traction) {
-      for (int slot : failed) result.released += energy_of_faces(traction, static_cast<std::size_t>(slot / kLanes))[slot % kLanes];
+      for (int slot : failed) {
+        const std::size_t b = static_cast<std::size_t>(slot / kLanes);
+        result.released += energy_of_faces(traction.same_kind(points.meta[b].material), b)[slot % kLanes];
+      }
     });
   for (int slot : failed) debond(slot, false);
 }
@@ -376,14 +387,13 @@ void Film::add_force(BondEnd* ends, const Law& of_any_kind) const {
   if (empty()) return;
   const Rotations rotations_now = turns(ends);
   Loads loads;
-  with_law(of_any_kind, [&](const auto& law) {
-    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+  for_each_material(points, of_any_kind, [&](const auto& law, int first, int last) {
+    for (int b = first; b < last; ++b) {
       const PointBlock& p = points.blocks[b];
       vd r[2][3];
       Mat3<vd> unused;
       deform(static_cast<std::size_t>(b), rotations_now, ends, r, unused);
-      loads.add(weighted_piola(p.F, p.q, stress_of(points, static_cast<int>(b), law), volume_that_carries(static_cast<int>(b))),
-                columns_[b], r);
+      loads.add(weighted_piola(p.F, p.q, stress_of(points, b, law), volume_that_carries(b)), columns_[b], r);
     }
   });
   loads.add_to(ends, rotations_now);
@@ -470,19 +480,21 @@ Film::FaceResponse Film::put_faces_in_series(Strains& strains, const BondEnd* en
   using Vector3 = Eigen::Vector3d;
   FaceResponse response;
   if (empty()) return response;
-  const double kn = faces.stiffness().kn, kt = faces.stiffness().kt;
-  const VtiElasticity& elasticity = of_any_kind.elasticity();
   for (auto& of_motion : response.open) of_motion.assign(points.blocks.size(), {});
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const PointBlock& p = points.blocks[b];
     const Column& c = columns_[b];
+    const VtiElasticity& elasticity = law_of_block(points, of_any_kind, static_cast<int>(b)).elasticity();
+    const TractionStiffness& of_faces = faces.of_material(points.meta[b].material).stiffness();
+    const double kn = of_faces.kn, kt = of_faces.kt;
+    const vd stiff = stiff_volume(static_cast<int>(b));
     for (int l = 0; l < kLanes; ++l) {
       if (!(carrying(b) >> l & 1)) continue;
       const auto at = [l](const vd* v) { return Vector3(v[0][l], v[1][l], v[2][l]); };
       const Eigen::Quaterniond q(p.q.w[l], p.q.x[l], p.q.y[l], p.q.z[l]);
       const Matrix3 frame = q.toRotationMatrix();
       const Vector3 N = at(c.N);
-      const double inverse_t = c.inverse_t[l], volume = p.volume[l];
+      const double inverse_t = c.inverse_t[l], volume = stiff[l];
       // Strain in the frame of the point due to the end at grain 1 moving by w, and the force that this takes.
       const auto strain_of = [&](const Vector3& w) {
         const Matrix3 G = inverse_t * w * N.transpose();
@@ -550,10 +562,11 @@ void Film::close_faces() {
 double Film::largest_onset_share(const FaceResponse& response, const TractionLaw& of_any_kind, const double* d) const {
   double most = 0.0;
   if (response.empty()) return most;
-  with_traction(of_any_kind, [&](const auto& traction) {
-    if constexpr (std::decay_t<decltype(traction)>::kFields > 0)
+  with_traction(of_any_kind, [&](const auto& of_first) {
+    if constexpr (std::decay_t<decltype(of_first)>::kFields > 0)
       for (std::size_t b = 0; b < columns_.size(); ++b)
         for (int s = 0; s < 2; ++s) {
+          const auto& traction = of_first.same_kind(points.meta[b].material);
           vd open[3] = {};
           for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 6; ++j) open[i] += splat(d[j]) * response.open[j][b][static_cast<std::size_t>(3 * s + i)];
@@ -576,14 +589,13 @@ void Film::largest_onset_shares(const FaceResponse& response, const TractionLaw&
 
 Film::Matrix6 Film::stiffness(const Strains& strains, const Law& of_any_kind) const {
   Matrix6 K = Matrix6::Zero();
-  with_law(of_any_kind, [&](const auto& law) {
+  for_each_material(points, of_any_kind, [&](const auto& law, int first, int last) {
     using L = std::decay_t<decltype(law)>;
-    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    for (int b = first; b < last; ++b) {
       const BlockMeta& m = points.meta[b];
-      const vd live = volume_that_carries(static_cast<int>(b));
+      const vd live = stiff_volume(b);
       for (int j = 0; j < 6; ++j) {
-        const Sym3<vd> stress =
-            m.damaged ? law.stress(strains[j][b], state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strains[j][b]);
+        const Sym3<vd> stress = m.damaged ? law.stress(strains[j][b], state_of<L>(points, b)) : law.elasticity().stress(strains[j][b]);
         for (int i = 0; i <= j; ++i) K(i, j) += sum_lanes(live * contract(stress, strains[i][b]));
       }
     }

@@ -133,7 +133,7 @@ class Film {
     return static_cast<std::uint8_t>(points.meta[b].occupied & ~points.meta[b].failed & ~columns_[b].cut);
   }
   template <class L, class T>
-  void open_faces(const L& law, const T& traction, const Rotations& turns, const BondEnd* ends, AdvanceResult& result);
+  void open_faces(int first, int last, const L& law, const T& traction, const Rotations& turns, const BondEnd* ends, AdvanceResult& result);
   template <class L>
   void force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* ends, vd* f) const;
   template <class T>
@@ -141,6 +141,10 @@ class Film {
   void debond(int slot, bool by_face);  // by_face: a face of the column debonded; else its point failed
   void write_faces(int b);              // writes the faces of block b to the links of the store
   static int grain_behind_of(const Column& c, std::uint8_t live);
+  // volume_that_carries() times the drawn factor of the moduli.
+  vd stiff_volume(int b) const {
+    return points.scatter.empty() ? volume_that_carries(b) : points.scatter[b].stiffness * volume_that_carries(b);
+  }
   vd volume_that_carries(int b) const { return masked(carrying(static_cast<std::size_t>(b)), points.blocks[b].volume); }
 
   std::vector<Column> columns_;
