@@ -317,7 +317,6 @@ LONG_FILES = {
     "cement/bond/bonded_grains.cpp": (548, "see BondedGrains"),
     "cement/condensed/condensed_bonds.cpp": (644, "to be divided: solutions"),
     "coupling/debonded_contact.cpp": (522, "one class"),
-    "coupling/film.cpp": (610, "one class: columns and their faces"),
     "coupling/penalty_links.cpp": (597, "one class and its loops"),
     "styles/atoms/atom_vec_mpdem.cpp": (509, "one class of LIGGGHTS"),
     "styles/guards/host_guards.cpp": (545, "one table"),

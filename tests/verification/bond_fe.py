@@ -152,8 +152,11 @@ def strain_rows(load, r, N, N_r, N_z):
     return tuple(B[..., use].reshape(r.size, B.shape[1], -1) for B in (cosine, sine)), len(use)
 
 
-def stiffness(load, body, elastic, axis):
-    """Force or moment per relative motion of the spheres: N/m for tension and shear, else N m/rad."""
+def stiffness(load, body, elastic, axis, other=None):
+    """Force or moment per relative motion of the spheres: N/m for tension and shear, else N m/rad.
+
+    other: a second material and a function of r, z that tells where it is, at the points of integration.
+    """
     r_all, z_all = body.r.ravel(), body.z.ravel()
     elements = element_nodes(body.r.shape)
     C = elastic.meridional_stiffness()
@@ -178,7 +181,13 @@ def stiffness(load, body, elastic, axis):
         )
         B = to_material.transpose(2, 0, 1) @ B
         along = np.array([[a_r, a_z], [a_z, -a_r]]).transpose(2, 0, 1) @ shear  # shear along and across the axis
-        K = B.transpose(0, 2, 1) @ (C @ B) + along.transpose(0, 2, 1) @ (np.diag([elastic.Gzp, Gp]) @ along)
+        moduli, shear_moduli = C, np.diag([elastic.Gzp, Gp])
+        if other:
+            there = other[1](r, z)[:, None, None]
+            second = other[0]
+            moduli = np.where(there, second.meridional_stiffness(), C)
+            shear_moduli = np.where(there, np.diag([second.Gzp, second.Ep / (2 * (1 + second.nu_p))]), shear_moduli)
+        K = B.transpose(0, 2, 1) @ (moduli @ B) + along.transpose(0, 2, 1) @ (shear_moduli @ along)
         Ke = Ke + (around * r * det * wa * wb)[:, None, None] * K
     if not smallest > 0:
         raise ValueError("the mesh folds; the shape is too far from a quadrilateral")

@@ -43,6 +43,14 @@ struct CementRequest {
   double grid[3] = {0, 0, 0};          // origin of the grid from the middle of the gap
   enum Overlap { error, skip, trim } overlap = error;
   bool later = false;  // true: points are made when they are needed
+  // Numbers of the materials: of points in no shape with one of its own, and of each shape, -1 if it has none. A point is of the first
+  // shape that contains it. materials: how many the scene has.
+  int material = 0, materials = 1;
+  std::vector<int> material_of_shape;
+  int material_of(int shape) const {
+    const std::size_t n = static_cast<std::size_t>(shape);
+    return n < material_of_shape.size() && material_of_shape[n] >= 0 ? material_of_shape[n] : material;
+  }
 };
 
 struct GrainToBond {

@@ -26,6 +26,7 @@ constexpr int kSphereNumbers = 17;  // numbers of an atom of style sphere, befor
 // Largest number of values of the state of an atom, the first of which is its kind. One more value gives their number.
 constexpr int kMostOfState = 1 + std::max(mpdem::kMostNumbers<mpdem::PointRecord>, mpdem::kMostNumbers<mpdem::GrainState>);
 constexpr int kBondNumbers = mpdem::kMostNumbers<mpdem::BondRecord>;
+constexpr bigint kMostMaterialBytes = 1000000;
 constexpr bigint kMostTemplateNumbers = std::numeric_limits<int>::max();  // limit of values of all templates, since MPI counts in int
 enum Kind {
   kNoState = 0,
@@ -393,6 +394,31 @@ void AtomVecMpdem::write_restart_settings(FILE* fp) {
   fwrite(&count, sizeof count, 1, fp);
   write_numbers(fp, packed_templates);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
+  const std::string materials = packed_materials();
+  const bigint bytes = static_cast<bigint>(materials.size());
+  fwrite(&bytes, sizeof bytes, 1, fp);
+  fwrite(materials.data(), 1, materials.size(), fp);
+  fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
+}
+
+// A line with the name and one with the words for each material.
+std::string AtomVecMpdem::packed_materials() const {
+  std::string bytes;
+  for (const mpdem::Bonds::NamedMaterial& m : bonds.materials) bytes += m.name + "\n" + m.words + "\n";
+  return bytes;
+}
+
+// Returns false if these are not lines of that kind.
+bool AtomVecMpdem::unpack_materials(const std::string& bytes) {
+  bonds.materials.clear();
+  for (std::size_t at = 0; at < bytes.size();) {
+    const std::size_t first = bytes.find('\n', at), second = first == std::string::npos ? first : bytes.find('\n', first + 1);
+    if (second == std::string::npos || first == at || bonds.materials.size() + 1 == static_cast<std::size_t>(mpdem::kMostMaterials))
+      return false;
+    bonds.materials.push_back({bytes.substr(at, first - at), bytes.substr(first + 1, second - first - 1)});
+    at = second + 1;
+  }
+  return true;
 }
 
 std::vector<double> AtomVecMpdem::packed_bonds() const {
@@ -429,6 +455,12 @@ std::string AtomVecMpdem::read_bonds(FILE* fp) {
   std::vector<double> template_values(template_numbers);
   if (!read_numbers(fp, template_values)) return truncated;
   if (!marked()) return "the file is damaged in the templates of points" + cure;
+  bigint bytes = 0;
+  if (fread(&bytes, sizeof bytes, 1, fp) != 1) return truncated;
+  if (bytes < 0 || bytes > kMostMaterialBytes) return "the file is damaged in the materials" + cure;
+  std::string of_materials(static_cast<std::size_t>(bytes), ' ');
+  if (fread(&of_materials[0], 1, of_materials.size(), fp) != of_materials.size()) return truncated;
+  if (!unpack_materials(of_materials) || !marked()) return "the file is damaged in the materials" + cure;
   bonds.table.resize(count);
   mpdem::RecordReader in(numbers.data(), numbers.data() + numbers.size());
   for (mpdem::BondRecord& record : bonds.table) {
@@ -469,6 +501,12 @@ void AtomVecMpdem::share_bonds() {
   MPI_Bcast(templates.data(), count[2], MPI_DOUBLE, 0, world);
   mpdem::RecordReader in(templates.data(), templates.data() + templates.size());
   mpdem::read(in, count[1], bonds.templates);
+  std::string materials = packed_materials();
+  int bytes = static_cast<int>(materials.size());
+  MPI_Bcast(&bytes, 1, MPI_INT, 0, world);
+  materials.resize(static_cast<std::size_t>(bytes));
+  MPI_Bcast(&materials[0], bytes, MPI_CHAR, 0, world);
+  unpack_materials(materials);
 }
 
 void AtomVecMpdem::create_atom(int itype, double* coord) {

@@ -79,10 +79,10 @@ class AtomVecMpdem : public AtomVecSphere {
 
   // Head of the data of this style in a restart file: magic bytes, then version, values per bond record, number of
   // records, number of point templates, and whether a seal ends the file (only host/restart_seal.cpp writes it). Then
-  // follow the records, the magic bytes, the count of the values of the templates, these values, and the magic bytes
-  // again.
+  // follow the records, the magic bytes, the count of the values of the templates, these values, the magic bytes again,
+  // the number of bytes of the names and words of the materials, these bytes, and the magic bytes again.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 27, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: index in the head
+  static constexpr int kRestartVersion = 28, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: index in the head
   static inline bool restart_is_sealed = false;  // set by host/restart_seal.cpp: the file that is written will get a seal
 
   // Rows of nodes, kNumbersOfRow values each, that the next restart file stores with the points of a bond on this rank.
@@ -133,6 +133,8 @@ class AtomVecMpdem : public AtomVecSphere {
   int unpack_state(int i, const double* buf);
   int size_of_state(int i) const;
   std::vector<double> packed_bonds() const;
+  std::string packed_materials() const;
+  bool unpack_materials(const std::string& bytes);
   std::string read_bonds(FILE* fp);
   void share_bonds();
   std::string trouble_in_atom(const double* buf, int total, int own) const;

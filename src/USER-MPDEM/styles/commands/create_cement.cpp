@@ -20,6 +20,7 @@
 #include "../fixes/fix_mpm_couple.h"
 #include "group.h"
 #include "../guards/host_guards.h"
+#include "../words/material_words.h"
 #include "modify.h"
 #include "../atoms/point_atoms.h"
 #include "update.h"
@@ -50,7 +51,8 @@ std::vector<std::string> command_keywords() {
   for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
     for (const mpdem::ShapeOption& w : s.words)
       if (std::find(all.begin(), all.end(), w.name) == all.end()) all.push_back(w.name);
-  all.insert(all.end(), {"content", "file", "attach", "inner", "film", "spacing", "density", "type", "grid", "overlap", "points"});
+  all.insert(all.end(),
+             {"content", "file", "attach", "inner", "film", "spacing", "material", "density", "type", "grid", "overlap", "points"});
   return all;
 }
 
@@ -171,9 +173,9 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
   bool has_inner = false, has_film = false;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
-    const bool of_shape = key == "content" || !shapes_with(key).empty();
+    const bool of_shape = key == "content" || !shapes_with(key).empty(), for_each_shape = of_shape || key == "material";
     // keywords of a shape may come once for each shape
-    if (key != "shape") args.once(key, !of_shape || wish.shapes.empty() ? "" : text_of("shape number ", wish.shapes.size()));
+    if (key != "shape") args.once(key, !for_each_shape || wish.shapes.empty() ? "" : text_of("shape number ", wish.shapes.size()));
     if (key == "shape") {
       wish.shapes.emplace_back();
       wish.shapes.back().style = mpdem::shape_style(args.choice(key, shapes_with("")));
@@ -201,6 +203,12 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
       wish.spacing = args.positive(key);
     } else if (key == "points") {
       wish.later = args.choice(key, {"now", "later"}) == "later";
+    } else if (key == "material") {
+      const std::vector<mpdem::Bonds::NamedMaterial>& known = AtomVecMpdem::of(lmp)->bonds.materials;
+      const int number = mpdem::number_of_material(args, known, args.word("the name of a material for 'material'"));
+      if (wish.shapes.empty()) wish.material = number;
+      wish.material_of_shape.resize(wish.shapes.size(), -1);
+      if (!wish.shapes.empty()) wish.material_of_shape.back() = number;
     } else if (key == "density") {
       wish.density = args.positive(key);
     } else if (key == "type") {
@@ -209,6 +217,7 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
       args.unknown(key, command_keywords());
     }
   }
+  wish.materials = 1 + static_cast<int>(AtomVecMpdem::of(lmp)->bonds.materials.size());
   check_words(args, wish, has_inner, has_film);
   if (wish.density == 0.0) wish.density = density_of_calcite(update->unit_style);
   if (wish.density == 0.0) args.complain(text_of("keyword 'density' is missing: it has no default in units '", update->unit_style, "'"));
@@ -382,6 +391,7 @@ int CreateCement::template_of(const std::vector<FillPoint>& points) {
     to.volume = p.volume;
     to.links = p.link_count;
     to.film = p.film;
+    to.material = p.material;
     for (int k = 0; k < p.link_count; ++k) {
       to.link[k].side = p.link[k].side;
       std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, to.link[k].foot);
@@ -476,6 +486,7 @@ int CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, do
   for (int c = 0; c < 3; ++c) r.X[c] = p.X[c];
   r.volume = p.volume;
   r.film = p.film;
+  r.material = p.material;
   r.links = p.link_count;
   for (int k = 0; k < p.link_count; ++k) {
     r.link[k].grain = bond.record.grain[p.link[k].side];

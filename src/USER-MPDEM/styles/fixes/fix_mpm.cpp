@@ -58,6 +58,8 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg)
   for (const std::string& note : words.notes) mpdem::tell(lmp, who() + note + "\n");
   step_ = std::make_unique<mpdem::AutoStep>(lmp, who(), words.step_fraction);
   words_ = words.said;
+  law_words_ = words.law_words;
+  law_ = words.law;
   coupling_.need(words.needs_coupling);
   failures_.name(words.events);
   cement_ = std::make_unique<mpdem::Cement>(world, avec_->bonds, words.options, words.law, static_cast<mpdem::CementHost&>(*this));
@@ -102,6 +104,7 @@ void FixMpm::init() {
   update->first_update = 0;
   const mpdem::CementOptions& o = cement_->options();
   const std::vector<mpdem::BondRecord>& table = avec_->bonds.table;
+  take_materials();
   make_points_of_run();
   mpdem::HostView view = host();
   view.may_leave = cement_->built();
@@ -116,7 +119,7 @@ void FixMpm::init() {
   gravities_ = mpdem::gravities(view);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   cement_->set_most_bytes(0.5 * memory_limit_);  // the other half is for points and LIGGGHTS
-  refuse(who(), {});
+  refuse(who(), words_of_materials());
   cement_->couple(nullptr);  // fix mpm/couple registers in its own init
   coupling_.forget();
   atoms_.find(*avec_, cement_->grains());
@@ -136,10 +139,11 @@ void FixMpm::make_points_of_run() {
   bool coupled = false;
   for (int i = 0; i < modify->nfix; ++i) coupled = coupled || std::string(modify->fix[i]->style) == "mpm/couple";
   std::vector<int> rows;
-  std::vector<mpdem::SceneOption> later;
+  std::vector<mpdem::SceneOption> later = words_of_materials();
+  const std::size_t of_materials = later.size();
   const std::vector<mpdem::BondRecord>& table = avec_->bonds.table;
   for (int row : avec_->bonds.rows_without_points()) {
-    if (!all_points_ && later.empty())
+    if (!all_points_ && later.size() == of_materials)
       later.push_back({"points later", text_of("the cement of grains ", table[row].grain[0], " and ", table[row].grain[1])});
     if (all_points_ || !coupled || table[row].wants_points) rows.push_back(row);
   }
@@ -247,6 +251,7 @@ void FixMpm::setup(int) {
   ranks_.start_run(this);
   report_->start_run(*cement_);
   guarded([this] { report_->parameters(*cement_, mpdem::points_made(*avec_)); });
+  tell_materials();
   write_events();
   check_state();
   contacts_.start_run(*avec_, *cement_);
