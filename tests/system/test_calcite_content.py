@@ -90,7 +90,7 @@ def contents_of(seed, words, directory, ranks=1):
 
 
 DRAWN = {
-    "lognormal": "content lognormal 0.008 0.4 seed 7",
+    "lognormal": "content lognormal 0.008 0.4 seed 3",
     "uniform": "content uniform 0.004 0.012 seed 8",
     "calcite": f"content lognormal 1 0.4 seed 9 {ASKED}",
     "share": "content 0.01 cement 0.6 seed 5",
@@ -147,7 +147,7 @@ BAD = {
     "no gaps": ("calcite 0.01 touch 1e-3 pattern bridging 1", "at 0 gaps between grains, which take 0 to 0; use a wider 'gap'"),
     "thick coats": ("calcite 0.9 pattern contact 0.01 coating 0.99", "give at most"),
     "shares": ("calcite 0.03 pattern contact 0.6 coating 0.5", r"add up to 1.1, they must to 1"),
-    "share above 1": ("calcite 0.03 pattern contact 1.5", "must be a number from 1e-06 to 1"),
+    "share above 1": ("calcite 0.03 pattern contact 1.5", r"share of the calcite, must lie in \[1e-06, 1\]"),
     "no pattern": ("calcite 0.03", "keyword 'pattern' is missing"),
     "no calcite": ("content 0.01 pattern contact 1", "belong to 'calcite'"),
     "coats alone": ("calcite 0.03 pattern coating 1", "neither contacts nor gaps"),

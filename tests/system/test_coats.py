@@ -47,7 +47,13 @@ def state(columns, steps, every=None, file="grains"):
 
 def test_mass_and_size(tmp_path, figures):
     """LIGGGHTS has the mass of grain and shell, its outer radius and its mean density, and gravity acts on that mass."""
-    text = grains([(0, 0, 0), (4e-3, 0, 0)]) + "group one id 1\n" + coat(group="one") + MPM + "timestep 1e-6\nfix g all gravity 9.81 vector 0 0 -1\nfix m grains nve/sphere\n"
+    text = (
+        grains([(0, 0, 0), (4e-3, 0, 0)])
+        + "group one id 1\n"
+        + coat(group="one")
+        + MPM
+        + "timestep 1e-6\nfix g all gravity 9.81 vector 0 0 -1\nfix m grains nve/sphere\n"
+    )
     at = run(text + state(["mass", "radius", "density", "fz"], 1) + "run 1\n", tmp_path).points(1, "grains")
     for name, value, exact in (
         ("mass", at["mass"][0], MASS + COAT_MASS),
@@ -78,7 +84,9 @@ def test_rolling(walls, tmp_path, figures):
 
 
 def force_at_rest(text, directory):
-    return run(text + MPM + "timestep 1e-7\nfix m grains nve/sphere\n" + state(["fx", "fy", "fz"], 1) + "run 0\n", directory).points(0, "grains")
+    return run(
+        text + (MPM if "create_cement" in text else "") + "timestep 1e-7\nfix m grains nve/sphere\n" + state(["fx", "fy", "fz"], 1) + "run 0\n", directory
+    ).points(0, "grains")
 
 
 @pytest.mark.parametrize("overlap", [-1e-9, 1e-9, 5e-6])
@@ -86,7 +94,12 @@ def test_contact_begins_at_the_coat(overlap, tmp_path, figures):
     """Of a coated grain and one without, and of two coated ones, which come together after they were coated: the force of Hertz with outer radii."""
     for name, group, coats in (("both", "grains", 2), ("one", "one", 1)):
         distance = 2 * R + coats * T - overlap
-        text = grains([(0, 0, 0), (4e-3, 0, 0)]) + "group one id 1\ngroup two id 2\n" + coat(group=group) + f"displace_atoms two move {distance - 4e-3:.17g} 0 0 units box\n"
+        text = (
+            grains([(0, 0, 0), (4e-3, 0, 0)])
+            + "group one id 1\ngroup two id 2\n"
+            + coat(group=group)
+            + f"displace_atoms two move {distance - 4e-3:.17g} 0 0 units box\n"
+        )
         at = force_at_rest(text, tmp_path / name)
         r1, r2 = R + T, R + (coats - 1) * T
         exact = 0.0 if overlap < 0 else 4 / 3 * STAR * np.sqrt(r1 * r2 / (r1 + r2)) * overlap**1.5
@@ -104,14 +117,18 @@ def test_near_grains_touch_bare(gap, tmp_path, figures):
     at, bare = coated.points(0, "grains"), force_at_rest(text, tmp_path / "bare")
     assert int(re.search(r"nearer than their coats are (\d+) pairs", coated.output)[1]) == (gap < 2 * T)
     assert (bare["fx"][1] != 0.0) == (gap < 0)
-    figures.below(f"gap {gap} m: difference of the forces over that of an overlap of 2 um", abs(at["fx"][1] - bare["fx"][1]) / (4 / 3 * STAR * np.sqrt(R / 2) * 2e-6**1.5), 1e-12)
+    figures.below(
+        f"gap {gap} m: difference of the forces over that of an overlap of 2 um",
+        abs(at["fx"][1] - bare["fx"][1]) / (4 / 3 * STAR * np.sqrt(R / 2) * 2e-6**1.5),
+        1e-12,
+    )
 
 
 def cloud(seed=3):
     """Grains of two sizes that touch some others and fly about."""
     random = np.random.default_rng(seed)
     radii = np.where(np.arange(27) % 2, R, 0.85 * R)
-    places = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)]) * 1.87 * R
+    places = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)]) * 1.845 * R
     return places + random.uniform(-0.03, 0.03, (27, 3)) * R, radii
 
 
@@ -121,7 +138,13 @@ STEPS = 4000
 
 def fly(words, directory, ranks=1, run_text=f"run {STEPS}\n"):
     centres, radii = cloud()
-    text = grains(centres, radii, ranks=ranks) + words + MPM + FLIGHT + "compute p all pressure thermo_temp virial\ncompute s grains stress/atom virial\ncompute ss grains reduce sum c_s[1]\n"
+    text = (
+        grains(centres, radii, ranks=ranks)
+        + words
+        + (MPM if words else "")
+        + FLIGHT
+        + "compute p all pressure thermo_temp virial\ncompute s grains stress/atom virial\ncompute ss grains reduce sum c_s[1]\n"
+    )
     text += thermo(STEPS // 8, ["ke", "c_p", "c_ss", "c_touch"]).replace("thermo_style", "compute touch grains reduce sum c_near\nthermo_style", 1)
     text = text.replace("compute touch", "compute near grains contact/atom\ncompute touch", 1)
     return run(text + state(["x", "y", "z", "vx", "vy", "vz", "omegax", "omegay", "omegaz"], STEPS) + run_text, directory, ranks)
@@ -135,7 +158,11 @@ def test_weightless_coat_is_none(tmp_path, figures):
     a, b = plain.points(STEPS, "grains"), coated.points(STEPS, "grains")
     for what in (("x", "y", "z"), ("vx", "vy", "vz"), ("omegax", "omegay", "omegaz")):
         size = max(np.abs(a[c]).max() for c in what)
-        figures.below(f"{what[0][:-1] or 'position'} of 27 grains with weightless coats: difference over the largest", max(np.abs(a[c] - b[c]).max() for c in what) / size, 1e-6)
+        figures.below(
+            f"{what[0][:-1] or 'position'} of 27 grains with weightless coats: difference over the largest",
+            max(np.abs(a[c] - b[c]).max() for c in what) / size,
+            1e-6,
+        )
     s, t = plain.table(), coated.table()
     assert s["c_touch"].max() > 20
     for c in ("c_p", "c_ss"):
@@ -167,18 +194,19 @@ def test_ranks_and_restart(tmp_path, figures):
         figures.below(f"{ranks} ranks: difference of positions and velocities over the largest", worst, 1e-7)
 
 
-def test_momentum_of_a_coated_pair(tmp_path, figures):
-    """A bond between coated grains that fly and turn: momentum, and angular momentum with the moments of inertia of the shells, stay."""
+def test_angular_momentum_of_a_coated_pair(tmp_path, figures):
+    """A bond between coated grains that fly, turn and move apart: angular momentum with the moments of inertia of the shells, stay."""
     half = R + 5e-6
     text = grains([(-half, 0, 0), (half, 0, 0)]) + coat() + "create_cement calcite pair 1 2 shape flat content 0.01 spacing 1e-4 overlap skip\n"
     text += cement(2e-4, 2e-8).split("fix          bond")[0] + "fix bond grains mpm/couple cem kn auto kt auto\n"
-    text += "variable vy atom 300*x\nvelocity all set 0.2 v_vy 0.1\nset group grains omegaz 300\nfix m grains nve/sphere\n"
+    text += "variable vx atom 0.2+3*x\nvariable vy atom 300*x\nvelocity all set v_vx v_vy 0.1\nset group grains omegaz 300\nfix m grains nve/sphere\n"
     L = "".join(f"variable l{c} atom mass*({a}*v{b}-{b}*v{a})+{INERTIA:.17g}*omega{c}\n" for a, b, c in ("yzx", "zxy", "xyz"))
     text += L + "compute l grains reduce sum v_lx v_ly v_lz\n" + "".join(f"variable L{c} equal c_l[{n + 1}]+f_cem[{n + 16}]\n" for n, c in enumerate("xyz"))
-    table = run(text + thermo(200, ["v_Lx", "v_Ly", "v_Lz", "f_cem[12]"]) + "run 2000\n", tmp_path).table()
+    table = run(text + thermo(200, ["v_Lx", "v_Ly", "v_Lz"]) + "run 2000\n", tmp_path).table()
     size = np.abs(table["v_Lz"][0])
-    figures.below("angular momentum of a coated pair: change over its value", max(np.abs(table[c] - table[c][0]).max() for c in ("v_Lx", "v_Ly", "v_Lz")) / size, 1e-9)
-    figures.below("energy imbalance of a coated pair", np.abs(table["f_cem[12]"]).max(), 1e-5)
+    figures.below(
+        "angular momentum of a coated pair: change over its value", max(np.abs(table[c] - table[c][0]).max() for c in ("v_Lx", "v_Ly", "v_Lz")) / size, 1e-9
+    )
 
 
 PAIR = [(0, 0, 0), (4e-3, 0, 0)]
@@ -189,7 +217,7 @@ BAD = {
     "two sizes": ("create_cement calcite coat grains thickness 1e-5 calcite 0.01\n", "needs one of 'thickness' and 'calcite'"),
     "too much": ("create_cement calcite coat grains calcite 0.9\n", "give at most"),
     "no group": ("create_cement calcite coat gravel thickness 1e-5\n", "there is no such group"),
-    "walls": (coat(words="walls none"), "must be 'coat' or 'bare'"),
+    "walls": (coat(words="walls none"), "must be one of coat, bare"),
     "no fix mpm": (coat() + "timestep 1e-7\nfix m grains nve/sphere\nrun 1\n", "has a coat, but there is no fix mpm"),
     "diameter": (coat() + MPM + "timestep 1e-7\nset atom 1 diameter 0.002\nfix m grains nve/sphere\nrun 1\n", "has radius"),
 }

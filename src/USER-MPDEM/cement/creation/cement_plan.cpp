@@ -136,7 +136,7 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
     bonds_.push_back(bond);
   }
   if (wish_.contents.acts() && trouble.text.empty()) choose_contents(choice);
-  for (PlannedBond& bond : bonds_) bond.kind = kind_of(bond, kinds);
+  for (std::size_t n = 0; n < bonds_.size(); ++n) bonds_[n].kind = kind_of(n, kinds);
   if (wish_.file.empty()) measure_kinds(trouble);
   trouble.stop(comm_);
   share_kinds();
@@ -154,15 +154,16 @@ void CementPlan::choose_contents(const Choice& choice) {
 }
 
 // Kinds are compared bitwise. Each bond with points of a file is a kind of its own.
-int CementPlan::kind_of(const PlannedBond& bond, std::unordered_map<std::string, int>& kinds) {
+int CementPlan::kind_of(std::size_t n, std::unordered_map<std::string, int>& kinds) {
+  const PlannedBond& bond = bonds_[n];
   const GrainPair& p = bond.pair;
   const double numbers[] = {p.R1, p.R2, p.gap, p.n[0], p.n[1], p.n[2], bond.grain[0].mass + bond.grain[1].mass, bond.content};
   std::string key(reinterpret_cast<const char*>(numbers), sizeof numbers);
-  if (!wish_.file.empty()) key += std::to_string(bonds_.size());
+  if (!wish_.file.empty()) key += std::to_string(n);
   const auto known = kinds.emplace(std::move(key), static_cast<int>(kinds_.size()));
   if (known.second) {
     kinds_.emplace_back();
-    kinds_.back().first = bonds_.size();
+    kinds_.back().first = n;
   }
   return known.first->second;
 }

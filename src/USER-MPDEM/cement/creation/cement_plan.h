@@ -132,7 +132,7 @@ class CementPlan {
   static std::string prefix(const PlannedBond& bond);
   std::string trouble_of_geometry(PlannedBond& bond) const;
   static void choose_axes(PlannedBond& bond);
-  int kind_of(const PlannedBond& bond, std::unordered_map<std::string, int>& kinds);
+  int kind_of(std::size_t bond, std::unordered_map<std::string, int>& kinds);
   static std::string error_of_position(const PlannedBond& bond, double length);
   void choose_contents(const Choice& choice);
   double inner_of(const PlannedBond& bond) const;

@@ -17,6 +17,14 @@ constexpr double kMostOff = 0.01;  // of the calcite of a pattern
 }
 
 std::vector<double> CalcitePatterns::choose(const CementPlan& plan) {
+  try {
+    return contents_of(plan);
+  } catch (const BadState& e) {
+    throw BadState(text_of("create_cement contacts ", group_, ": ", e.what()));
+  }
+}
+
+std::vector<double> CalcitePatterns::contents_of(const CementPlan& plan) {
   const ContentWish& wish = plan.wish().contents;
   grains_ = bare_grains(lmp_, groupbit_);
   grain_mass_ = 0.0;
@@ -32,7 +40,7 @@ std::vector<double> CalcitePatterns::choose(const CementPlan& plan) {
   if (wish.spread == ContentWish::file) {
     std::string trouble;
     const std::string text = broadcast_file(lmp_->world, wish.file_name, trouble);
-    if (!trouble.empty()) throw BadState("create_cement: " + trouble);
+    if (!trouble.empty()) throw BadState(trouble);
     by_pair = read_contents(text, wish.file_name, tags);
   }
   double content = 1.0;
@@ -43,7 +51,7 @@ std::vector<double> CalcitePatterns::choose(const CementPlan& plan) {
     try {
       return plan.content_bounds(plan.bonds()[n]);
     } catch (const ShapeError& e) {
-      throw BadState(plan.prefix(n) + e.what());
+      throw BadState(text_of("grains ", tags[n].first, " and ", tags[n].second, ": ", e.what()));
     }
   });
 }
@@ -65,9 +73,9 @@ void CalcitePatterns::add_coats(const ContentWish& wish, double density) {
   const double mass = wish.calcite * wish.pattern[ContentWish::coating] * grain_mass_;
   std::vector<double> radii;
   for (const BareGrain& g : grains_) radii.push_back(g.radius);
-  thickness_ = coat_of_mass(
-      radii, density, mass,
-      text_of("create_cement: 'calcite ", wish.calcite, "' with 'pattern ... coating ", wish.pattern[ContentWish::coating], "'"));
+  thickness_ = coat_of_mass(radii, density, mass,
+                            text_of("create_cement contacts ", group_, ": 'calcite ", wish.calcite, "' with 'pattern ... coating ",
+                                    wish.pattern[ContentWish::coating], "'"));
   coat(lmp_, grains_, {thickness_, density, wish.coat_at_walls}, box_);
   mass_[ContentWish::coating] = density * volume_of_coats(radii, thickness_);
 }
@@ -106,10 +114,9 @@ void CalcitePatterns::finish(const CementPlan& plan, const std::vector<GrainTags
     else if (p == ContentWish::filling) report_ += ", counted alone: it has no mass in the scene\n";
     else report_ += text_of(" at ", bonds_[p], p == ContentWish::contact ? " contacts\n" : " gaps\n");
     if (trouble.empty() && std::fabs(reached - asked) > kMostOff * asked)
-      trouble = text_of(
-          "create_cement: 'pattern ... ", pattern_names()[p], "' of 'calcite ", wish.calcite, "' asks for ", asked,
-          " of the mass of the grains of group '", group_, "', and its bonds have ", reached,
-          ", since others leave them no room; use a smaller 'calcite' or share, 'overlap trim' or 'skip' the other way, or 'content'");
+      trouble = text_of("create_cement contacts ", group_, ": 'pattern ... ", pattern_names()[p], "' of 'calcite ", wish.calcite,
+                        "' asks for ", asked, " of the mass of the grains of group '", group_, "', and its bonds have ", reached,
+                        ", since others leave them no room; use a smaller 'calcite' or share");
   }
   if (!trouble.empty()) throw BadState(trouble);
 }

@@ -30,6 +30,7 @@ class CalcitePatterns {
   const std::string& report() const { return report_; }
 
  private:
+  std::vector<double> contents_of(const CementPlan& plan);
   void sum_up(const CementPlan& plan, const std::vector<GrainTags>& skipped);
   void add_coats(const ContentWish& wish, double density);
   std::string text_of_draws(const ContentWish& wish) const;

@@ -225,6 +225,7 @@ void FixMpm::check_unprepared() {
 void FixMpm::take_density(const mpdem::HostView& view) {
   const mpdem::Densities density = mpdem::densities(view);
   if (density.low <= density.high) guarded([&] { cement_->set_density(density.low); });
+  else if (!avec_->coats.empty()) guarded([&] { cement_->set_density(avec_->coats.all()[0].density); });  // no cement but coats
 }
 
 // Call it before LIGGGHTS exchanges atoms, while true positions are shown. for_run: the exchange is for a run, and not

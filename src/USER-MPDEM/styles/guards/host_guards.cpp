@@ -344,7 +344,7 @@ const Guard kGuards[] = {
        return named(fix_at(v, k)) + (later.empty() ? "" : ", whose group has " + later);
      }},
     {kRun, "fix mpm without cement", "and nothing to move", "use create_cement before the run", kScene,
-     [](View v, int) { return Found(v.cement->bonds.table.empty() ? "there are no material points" : ""); }},
+     [](View v, int) { return Found(v.cement->bonds.table.empty() && v.cement->coats.empty() ? "there are no material points" : ""); }},
     {kRun | kExchanged, "material points that were deleted, left the box or were copied by `replicate`",
      "and cement cannot be deleted or copied by points",
      "use a larger or periodic box, 'run 0' before, which takes fragments and the cement of separated bonds out of the scene, and "
