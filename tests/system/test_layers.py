@@ -321,7 +321,7 @@ LONG_FILES = {
     "coupling/debonded_contact.cpp": (522, "one class"),
     "coupling/film.cpp": (610, "one class: columns and their faces"),
     "coupling/penalty_links.cpp": (597, "one class and its loops"),
-    "styles/atoms/atom_vec_mpdem.cpp": (509, "one class of LIGGGHTS"),
+    "styles/atoms/atom_vec_mpdem.cpp": (517, "one class of LIGGGHTS"),
     "styles/guards/host_guards.cpp": (545, "one table"),
 }
 

@@ -85,10 +85,9 @@ void AtomVecMpdem::init() {
   // `run 0` moves nothing, but LIGGGHTS drops the data of a restart file for fix mpm at the first run
   if (update->whichflag == 0) return;
   if (!coats.empty() && !has_fix("mpm"))
-    mpdem::stop_all(lmp,
-                    mpdem::text_of("atom_style mpdem: grain ", coats.all()[0].grain,
-                                   " has a coat, but there is no fix mpm, which gives it the moment of inertia and the contacts of its "
-                                   "coat; define fix mpm before the run"));
+    mpdem::stop_all(
+        lmp, mpdem::text_of("atom_style mpdem: grain ", coats.all()[0].grain, " has a coat, and fix mpm is not there, which gives it ",
+                            "its moment of inertia and contacts; define fix mpm before the run"));
   if ((update->nsteps == 0 && !is_in_motion()) || bonds.table.empty()) return;
   // fix mpm/couple itself reports that its fix mpm is gone
   if (has_fix("mpm") || has_fix("mpm/couple") || !has_cement()) return;
@@ -399,11 +398,7 @@ void AtomVecMpdem::write_restart_settings(FILE* fp) {
   fwrite(&count, sizeof count, 1, fp);
   write_numbers(fp, packed_templates);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
-  const std::vector<double> packed_coats = coats.packed();
-  const bigint coat_numbers = static_cast<bigint>(packed_coats.size());
-  fwrite(&coat_numbers, sizeof coat_numbers, 1, fp);
-  write_numbers(fp, packed_coats);
-  fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
+  coats.write(fp);
 }
 
 std::vector<double> AtomVecMpdem::packed_bonds() const {
@@ -440,16 +435,7 @@ std::string AtomVecMpdem::read_bonds(FILE* fp) {
   std::vector<double> template_values(template_numbers);
   if (!read_numbers(fp, template_values)) return truncated;
   if (!marked()) return "the file is damaged in the templates of points" + cure;
-  bigint coat_numbers = 0;
-  if (fread(&coat_numbers, sizeof coat_numbers, 1, fp) != 1) return truncated;
-  if (coat_numbers < 0 || coat_numbers > numbers_left(fp)) return "the file is damaged in the coats of grains" + cure;
-  std::vector<double> coat_values(coat_numbers);
-  if (!read_numbers(fp, coat_values)) return truncated;
-  if (!marked()) return "the file is damaged in the coats of grains" + cure;
-  mpdem::RecordReader in_coats(coat_values.data(), coat_values.data() + coat_values.size());
-  coats.read(in_coats);
-  if (!in_coats.at_end()) in_coats.tell("they are longer than they can be");
-  if (!in_coats.trouble().empty()) return mpdem::text_of("the file is damaged in the coats of grains: ", in_coats.trouble(), cure);
+  if (const std::string why = coats.read_file(fp, numbers_left(fp)); !why.empty()) return why + cure;
   bonds.table.resize(count);
   mpdem::RecordReader in(numbers.data(), numbers.data() + numbers.size());
   for (mpdem::BondRecord& record : bonds.table) {
@@ -490,13 +476,7 @@ void AtomVecMpdem::share_bonds() {
   MPI_Bcast(templates.data(), count[2], MPI_DOUBLE, 0, world);
   mpdem::RecordReader in(templates.data(), templates.data() + templates.size());
   mpdem::read(in, count[1], bonds.templates);
-  std::vector<double> of_coats = coats.packed();
-  bigint coat_numbers = static_cast<bigint>(of_coats.size());
-  MPI_Bcast(&coat_numbers, 1, MPI_LMP_BIGINT, 0, world);
-  of_coats.resize(coat_numbers);
-  broadcast(of_coats, world);
-  mpdem::RecordReader in_coats(of_coats.data(), of_coats.data() + of_coats.size());
-  coats.read(in_coats);
+  coats.share(world);
 }
 
 void AtomVecMpdem::create_atom(int itype, double* coord) {

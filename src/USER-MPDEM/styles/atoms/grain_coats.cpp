@@ -58,6 +58,38 @@ void GrainCoats::read(RecordReader& in) {
   touch_bare(pairs);
 }
 
+// The number of numbers, the numbers, and their number again.
+void GrainCoats::write(std::FILE* fp) const {
+  const std::vector<double> numbers = packed();
+  const long long count = static_cast<long long>(numbers.size());
+  std::fwrite(&count, sizeof count, 1, fp);
+  std::fwrite(numbers.data(), sizeof(double), numbers.size(), fp);
+  std::fwrite(&count, sizeof count, 1, fp);
+}
+
+std::string GrainCoats::read_file(std::FILE* fp, long long most) {
+  const std::string damaged = "the file is damaged in the coats of grains";
+  long long count = 0, again = 0;
+  if (std::fread(&count, sizeof count, 1, fp) != 1 || count < numbers_of(CoatCounts()) || count > most) return damaged;
+  std::vector<double> numbers(static_cast<std::size_t>(count));
+  if (std::fread(numbers.data(), sizeof(double), numbers.size(), fp) != numbers.size()) return damaged;
+  if (std::fread(&again, sizeof again, 1, fp) != 1 || again != count) return damaged;
+  RecordReader in(numbers.data(), numbers.data() + numbers.size());
+  read(in);
+  if (!in.at_end()) in.tell("they are longer than they can be");
+  return in.trouble().empty() ? "" : damaged + ": " + in.trouble();
+}
+
+void GrainCoats::share(MPI_Comm comm) {
+  std::vector<double> numbers = packed();
+  int count = static_cast<int>(numbers.size());
+  MPI_Bcast(&count, 1, MPI_INT, 0, comm);
+  numbers.resize(static_cast<std::size_t>(count));
+  MPI_Bcast(numbers.data(), count, MPI_DOUBLE, 0, comm);
+  RecordReader in(numbers.data(), numbers.data() + numbers.size());
+  read(in);
+}
+
 void GrainCoats::find_atoms(const Atom& atom) {
   atoms_.clear();
   if (empty()) return;

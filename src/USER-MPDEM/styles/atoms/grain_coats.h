@@ -8,7 +8,11 @@
 #ifndef MPDEM_STYLES_ATOMS_GRAIN_COATS_H
 #define MPDEM_STYLES_ATOMS_GRAIN_COATS_H
 
+#include <mpi.h>
+
 #include <cstdint>
+#include <cstdio>
+#include <string>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -43,6 +47,11 @@ class GrainCoats {
     const Coat* c = empty() ? nullptr : find(tag);
     return c ? c->radius : radius;
   }
+  // Radius with its coat, or the other value if it has none.
+  double outer_radius(int tag, double otherwise) const {
+    const Coat* c = empty() ? nullptr : find(tag);
+    return c ? c->outer() : otherwise;
+  }
   double bare_mass(int tag, double mass) const {
     const Coat* c = empty() ? nullptr : find(tag);
     return c ? c->mass : mass;
@@ -52,9 +61,10 @@ class GrainCoats {
     return c ? c->inertia() : 0.4 * mass * radius * radius;
   }
 
-  // Numbers for a restart file or another rank. read() replaces the table, and the reader reports what is wrong.
-  std::vector<double> packed() const;
-  void read(RecordReader& in);
+  void write(std::FILE* fp) const;
+  // Replaces the table by that of a file. most: numbers that the file has at most. Returns what is wrong, or an empty text.
+  std::string read_file(std::FILE* fp, long long most);
+  void share(MPI_Comm comm);  // collective: replaces the table by that of the first rank
 
   // Finds the atoms of coated grains, ghosts too. Call it after atoms were reordered or exchanged.
   void find_atoms(const LAMMPS_NS::Atom& atom);
@@ -70,6 +80,8 @@ class GrainCoats {
   void restore_torques(LAMMPS_NS::Atom& atom);
 
  private:
+  std::vector<double> packed() const;
+  void read(RecordReader& in);
   static std::uint64_t key(int a, int b) {
     if (a > b) std::swap(a, b);
     return static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32 | static_cast<std::uint32_t>(b);

@@ -185,11 +185,10 @@ Found moved_grain(View v, int i) {
 }
 
 Found changed_radius(View v, int i) {
-  const Coat* const coat = v.cement->coats.find(tag(v, i));
-  const double radius_at_creation = coat ? coat->outer() : v.radius_at_creation(tag(v, i)), now = atoms(v).radius[i];
-  if (radius_at_creation == 0.0 || std::fabs(now - radius_at_creation) <= 1e-12 * radius_at_creation) return "";
+  const double made = v.cement->coats.outer_radius(tag(v, i), v.radius_at_creation(tag(v, i))), now = atoms(v).radius[i];
+  if (made == 0.0 || std::fabs(now - made) <= 1e-12 * made) return "";
   return text_of("bonded grain ", tag(v, i), " has radius ", now, " at step ", v.lmp->update->ntimestep, ", but its cement was made for ",
-                 radius_at_creation);
+                 made);
 }
 
 Found not_finite(View v, int i) {
