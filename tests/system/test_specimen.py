@@ -219,10 +219,10 @@ def test_half_of_the_calcite_coats(poured, tmp_path, figures):
     for pattern in ("contact", "coating"):
         reached = float(re.search(rf"^    {pattern}: asked 0.01, reached (\S+), share", output, re.M)[1])
         figures.below(f"specimen, half of the calcite as coats: {pattern} off what was asked", abs(reached / 0.01 - 1), 1e-4)
-    load(tmp_path, tmp_path / "load", strain=2e-5, pictures=25)
+    load(tmp_path, tmp_path / "load", poured=poured, strain=2e-5, pictures=25)
     curve = rows(tmp_path / "load")
     plain = go("in.cement", tmp_path / "plain", poured=poured, calcite=0.01, spacing=2.5e-4) and tmp_path / "plain"
-    load(plain, plain / "load", strain=2e-5)
+    load(plain, plain / "load", poured=poured, strain=2e-5)
     ratio = curve["kinetic_beads"][0] / rows(plain / "load")["kinetic_beads"][0]
     figures.below("specimen, half of the calcite as coats: kinetic energy of the beads at the start over that without coats", ratio, 1.5)
     step = sorted((tmp_path / "load").glob("beads_at.*.txt"))[0].name.split(".")[1]

@@ -52,9 +52,10 @@ bool read_content_word(const std::string& key, Arguments& args, ContentWish& c) 
       return -1;
     };
     double sum = 0.0;
-    for (int p; (p = begins()) >= 0;) {
-      if (c.pattern[p] > 0.0) args.complain(text_of("'pattern ... ", names[p], "' comes twice"));
-      sum += c.pattern[p] = args.between(text_of("pattern ... ", names[p]), kLeastShare, 1.0, "share of the calcite");
+    bool given[ContentWish::kPatterns] = {};
+    for (int p; (p = begins()) >= 0; given[p] = true) {
+      if (given[p]) args.complain(text_of("'pattern ... ", names[p], "' comes twice"));
+      sum += c.pattern[p] = args.between(text_of("pattern ... ", names[p]), 0.0, 1.0, "share of the calcite");
     }
     if (std::fabs(sum - 1.0) > 1e-6)
       args.complain(text_of("'pattern': the shares of contact, bridging, coating and filling add up to ", sum,
@@ -87,7 +88,6 @@ void check_contents(const Arguments& args, CementRequest& wish, bool several) {
       args.complain("'pattern', 'touch' and 'walls' belong to 'calcite'; write 'calcite 0.03 pattern contact 1'");
     return;
   }
-  if (c.says_walls && c.pattern[ContentWish::coating] == 0.0) args.complain("'walls' belongs to 'pattern ... coating'");
   if (patterns == 0.0) args.complain("keyword 'pattern' is missing: write 'calcite 0.03 pattern contact 1', or shares of the sum 1");
   if (c.pattern[ContentWish::contact] + c.pattern[ContentWish::bridging] == 0.0)
     args.complain("'pattern': neither contacts nor gaps get cement; for coats alone use 'create_cement ... coat GROUP calcite C'");
