@@ -318,7 +318,7 @@ LONG_FILES = {
     "cement/condensed/condensed_bonds.cpp": (644, "to be divided: solutions"),
     "coupling/debonded_contact.cpp": (522, "one class"),
     "coupling/penalty_links.cpp": (597, "one class and its loops"),
-    "styles/atoms/atom_vec_mpdem.cpp": (509, "one class of LIGGGHTS"),
+    "styles/atoms/atom_vec_mpdem.cpp": (517, "one class of LIGGGHTS"),
     "styles/guards/host_guards.cpp": (545, "one table"),
 }
 

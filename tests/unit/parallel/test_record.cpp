@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cement/layout/cement_restart.h"
+#include "coupling/coat.h"
 #include "coupling/grain_state.h"
 #include "lanes.h"
 #include "mpm/point_template.h"
@@ -160,7 +161,7 @@ std::vector<double> bad_values(const Described& of) {
 template <class R>
 class Records : public testing::Test {};
 using AllRecords = testing::Types<BondRecord, Link, ContactPoint, PointRecord, GrainState, CementHead, BondRow, NodeRow, PhantomNodeRow,
-                                  LooseRow, TemplateHead, TemplatePoint>;
+                                  LooseRow, TemplateHead, TemplatePoint, Coat, BarePair>;
 TYPED_TEST_SUITE(Records, AllRecords);
 
 // True if the description of a record has all numbers that the record declares.
@@ -260,6 +261,8 @@ TEST(Record, LayoutsAreThoseOfTheVersion) {
   EXPECT_EQ(layout_of<NodeRow>(), "abb48e7e756a60f4") << cure;
   EXPECT_EQ(layout_of<PhantomNodeRow>(), "9d18cc32ef8c8f12") << cure;
   EXPECT_EQ(layout_of<LooseRow>(), "a1713fd68caff1b4") << cure;
+  EXPECT_EQ(layout_of<Coat>(), "0") << cure;
+  EXPECT_EQ(layout_of<BarePair>(), "0") << cure;
   EXPECT_EQ(layout_of<TemplateHead>(), "e4ff7aef62b30342") << cure;
   EXPECT_EQ(layout_of<TemplatePoint>(), "546b89f211da99eb") << cure;
 }

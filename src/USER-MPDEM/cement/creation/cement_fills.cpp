@@ -5,15 +5,13 @@
 #include <mpi.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 
 #include "../../parallel/agree.h"
 #include "../../parallel/all_to_all.h"
 #include "../../parallel/memory_limit.h"
 #include "../../parallel/ranks.h"
+#include "broadcast_file.h"
 #include "cement_maker.h"
 #include "point_file.h"
 
@@ -22,36 +20,6 @@ namespace mpdem {
 namespace {
 
 enum FillCheck { cells };  // checks of a bond in their order; cement_overlaps.cpp has the next ones
-
-// Collective. Returns the text of a file that only the first rank reads.
-std::string broadcast_file(MPI_Comm comm, const std::string& name, std::string& trouble) {
-  const int me = rank_in(comm);
-  std::string text;
-  long long size = -1;
-  int code = 0;
-  if (me == 0) {
-    std::FILE* f = std::fopen(name.c_str(), "rb");
-    if (f) {
-      char buffer[65536];
-      for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, f)) > 0;) text.append(buffer, n);
-      if (!std::ferror(f)) size = static_cast<long long>(text.size());
-      else code = errno;
-      std::fclose(f);
-    } else {
-      code = errno;
-    }
-  }
-  MPI_Bcast(&code, 1, MPI_INT, 0, comm);
-  MPI_Bcast(&size, 1, MPI_LONG_LONG, 0, comm);
-  if (size < 0) {
-    trouble = text_of("file '", name, "' cannot be read: ", std::strerror(code), "; check name and folder");
-    return text;
-  }
-  text.resize(size);
-  constexpr long long kMost = 1 << 30;  // MPI counts in int
-  for (long long at = 0; at < size; at += kMost) MPI_Bcast(&text[at], static_cast<int>(std::min(kMost, size - at)), MPI_CHAR, 0, comm);
-  return text;
-}
 
 void move_origin(std::vector<FillPoint>& points, const Vector3& to) {
   for (FillPoint& p : points) {

@@ -84,7 +84,12 @@ void AtomVecMpdem::init() {
   points_excluded = false;
   unclaimed.finish(lmp);
   // `run 0` moves nothing, but LIGGGHTS drops the data of a restart file for fix mpm at the first run
-  if (update->whichflag == 0 || (update->nsteps == 0 && !is_in_motion()) || bonds.table.empty()) return;
+  if (update->whichflag == 0) return;
+  if (!coats.empty() && !has_fix("mpm"))
+    mpdem::stop_all(
+        lmp, mpdem::text_of("atom_style mpdem: grain ", coats.all()[0].grain, " has a coat, and fix mpm is not there, which gives it ",
+                            "its moment of inertia and contacts; define fix mpm before the run"));
+  if ((update->nsteps == 0 && !is_in_motion()) || bonds.table.empty()) return;
   // fix mpm/couple itself reports that its fix mpm is gone
   if (has_fix("mpm") || has_fix("mpm/couple") || !has_cement()) return;
   mpdem::stop_all(lmp,
@@ -399,6 +404,7 @@ void AtomVecMpdem::write_restart_settings(FILE* fp) {
   fwrite(&bytes, sizeof bytes, 1, fp);
   fwrite(materials.data(), 1, materials.size(), fp);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
+  coats.write(fp);
 }
 
 // A line with the name and one with the words for each material.
@@ -461,6 +467,7 @@ std::string AtomVecMpdem::read_bonds(FILE* fp) {
   std::string of_materials(static_cast<std::size_t>(bytes), ' ');
   if (fread(&of_materials[0], 1, of_materials.size(), fp) != of_materials.size()) return truncated;
   if (!unpack_materials(of_materials) || !marked()) return "the file is damaged in the materials" + cure;
+  if (const std::string why = coats.read_file(fp, numbers_left(fp)); !why.empty()) return why + cure;
   bonds.table.resize(count);
   mpdem::RecordReader in(numbers.data(), numbers.data() + numbers.size());
   for (mpdem::BondRecord& record : bonds.table) {
@@ -486,7 +493,7 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
   share_bonds();
 }
 
-// Broadcasts bond records and point templates of the first rank.
+// Broadcasts bond records, point templates and coats of the first rank.
 void AtomVecMpdem::share_bonds() {
   int count[3] = {static_cast<int>(bonds.table.size()), static_cast<int>(bonds.templates.size()), 0};
   std::vector<double> templates = mpdem::packed(bonds.templates);
@@ -507,6 +514,7 @@ void AtomVecMpdem::share_bonds() {
   materials.resize(static_cast<std::size_t>(bytes));
   MPI_Bcast(&materials[0], bytes, MPI_CHAR, 0, world);
   unpack_materials(materials);
+  coats.share(world);
 }
 
 void AtomVecMpdem::create_atom(int itype, double* coord) {

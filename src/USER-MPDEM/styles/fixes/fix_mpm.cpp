@@ -19,6 +19,7 @@
 #include "files_in_use.h"
 #include "fix_gravity.h"
 #include "../guards/host_guards.h"
+#include "../atoms/coated_contacts.h"
 #include "../atoms/local_atom.h"
 #include "modify.h"
 #include "output.h"
@@ -114,7 +115,8 @@ void FixMpm::init() {
   guarded([this] { cement_->read_point_states(); });  // cement from a file may have damage
   mpdem::check_cell(lmp, who(), table, o.cell);
   avec_->points_excluded = true;
-  const std::string trouble = ranks_.set_balance(o.balance);
+  std::string trouble = ranks_.set_balance(o.balance);
+  if (trouble.empty() && !avec_->coats.empty()) trouble = mpdem::touch_coats(lmp);
   if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
   gravities_ = mpdem::gravities(view);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
@@ -227,6 +229,7 @@ void FixMpm::check_unprepared() {
 void FixMpm::take_density(const mpdem::HostView& view) {
   const mpdem::Densities density = mpdem::densities(view);
   if (density.low <= density.high) guarded([&] { cement_->set_density(density.low); });
+  else if (!avec_->coats.empty()) guarded([&] { cement_->set_density(avec_->coats.all()[0].density); });  // no cement but coats
 }
 
 // Call it before LIGGGHTS exchanges atoms, while true positions are shown. for_run: the exchange is for a run, and not
@@ -239,6 +242,7 @@ void FixMpm::setup_pre_neighbor() {
   mpdem::check_host(mpdem::kExchanged, host());
   atoms_.find(*avec_, cement_->grains());
   guarded([this] { cement_->lay_out_run(); });
+  avec_->coats.find_atoms(*atom);
   prepared_ = true;
 }
 
@@ -247,7 +251,8 @@ void FixMpm::setup(int) {
   check_coupling();
   avec_->last_run.begin(*modify, avec_->bonds.table.size());
   hidden_.start(this);
-  mpdem::exchange_last(modify, this);  // earlier fixes may delete or insert grains
+  if (!avec_->coats.empty()) mpdem::act_last(modify, this);  // LIGGGHTS integrates with scaled torques
+  mpdem::exchange_last(modify, this);                        // earlier fixes may delete or insert grains
   ranks_.start_run(this);
   report_->start_run(*cement_);
   guarded([this] { report_->parameters(*cement_, mpdem::points_made(*avec_)); });
@@ -281,11 +286,23 @@ void FixMpm::pre_initial_integrate() {
   guarded([&] { cement_->start_step(first); });
   if (first) atoms_.write_velocities(cement_->grains());
   hidden_.hide();
+  avec_->coats.scale_torques(*atom);
 }
 
-void FixMpm::initial_integrate(int) { hidden_.show(); }
-void FixMpm::pre_final_integrate() { hidden_.hide(); }
-void FixMpm::final_integrate() { hidden_.show(); }
+void FixMpm::initial_integrate(int) {
+  hidden_.show();
+  avec_->coats.restore_torques(*atom);
+}
+
+void FixMpm::pre_final_integrate() {
+  hidden_.hide();
+  avec_->coats.scale_torques(*atom);
+}
+
+void FixMpm::final_integrate() {
+  hidden_.show();
+  avec_->coats.restore_torques(*atom);
+}
 
 // Updates the orientation of bonded grains, since LIGGGHTS' integrators for spheres keep omega only.
 void FixMpm::post_integrate() {
@@ -313,6 +330,7 @@ void FixMpm::pre_exchange() {
 
 void FixMpm::pre_neighbor() {
   cement_->timer().start(mpdem::StepTimer::kLayout);
+  avec_->coats.find_atoms(*atom);
   avec_->clear_loads_of_points();  // points have other indices in LIGGGHTS' lists now
   contacts_.atoms_moved();
   mpdem::check_host(mpdem::kExchanged, host());
