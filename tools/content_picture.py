@@ -59,7 +59,7 @@ def bonds(grains, points, of_grain, of_cement):
 
 
 def draw(path, grains, centres, pairs, contents):
-    fig, (space, spread) = plt.subplots(1, 2, figsize=(7.48, 3.6), gridspec_kw={"width_ratios": [1.5, 1]})
+    fig, (space, spread) = plt.subplots(1, 2, figsize=(7.48, 3.4), gridspec_kw={"width_ratios": [1.25, 1]})
     right = np.array([np.cos(AROUND), np.sin(AROUND), 0.0])
     away = np.array([-np.sin(AROUND) * np.cos(ABOVE), np.cos(AROUND) * np.cos(ABOVE), -np.sin(ABOVE)])
     seen = 1e3 * centres @ np.array([right, np.cross(right, away), away]).T
@@ -80,7 +80,7 @@ def draw(path, grains, centres, pairs, contents):
     space.set_xlim((seen[:, 0] - wide).min(), (seen[:, 0] + wide).max())
     space.set_ylim((seen[:, 1] - wide).min(), (seen[:, 1] + wide).max())
     space.axis("off")
-    fig.colorbar(lines, ax=space, shrink=0.8, label="bond content, %")
+    fig.colorbar(lines, ax=space, shrink=0.8, pad=0.02, label="bond content, %")
     spread.hist(contents, bins=20, color="0.6")
     spread.set_xlabel("bond content, %")
     spread.set_ylabel("bonds")

@@ -218,7 +218,7 @@ BAD = {
     "too much": ("create_cement calcite coat grains calcite 0.9\n", "give at most"),
     "no group": ("create_cement calcite coat gravel thickness 1e-5\n", "there is no such group"),
     "walls": (coat(words="walls none"), "must be one of coat, bare"),
-    "no fix mpm": (coat() + "timestep 1e-7\nfix m grains nve/sphere\nrun 1\n", "has a coat, but there is no fix mpm"),
+    "no fix mpm": (coat() + "timestep 1e-7\nfix m grains nve/sphere\nrun 1\n", "has a coat, and fix mpm is not there"),
     "diameter": (coat() + MPM + "timestep 1e-7\nset atom 1 diameter 0.002\nfix m grains nve/sphere\nrun 1\n", "has radius"),
 }
 

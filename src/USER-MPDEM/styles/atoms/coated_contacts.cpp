@@ -79,6 +79,7 @@ struct Tallies {
 
   Tallies(const PairGran& pair, int atoms) : energy{pair.eng_vdwl, pair.eng_coul} {
     std::copy(pair.virial, pair.virial + 6, virial);
+    if (!pair.evflag) return;  // the flags below are of an earlier step
     if (pair.eflag_atom) of_atoms.insert(of_atoms.end(), pair.eatom, pair.eatom + atoms);
     for (int i = 0; i < atoms && pair.vflag_atom; ++i) of_atoms.insert(of_atoms.end(), pair.vatom[i], pair.vatom[i] + 6);
   }
@@ -123,10 +124,12 @@ void CoatedPairs::part(const PairGran& pair, const GrainCoats& coats) {
   const Atom& atom = *lmp_->atom;
   const NeighList& list = *pair.list;
   const NeighList* const history = pair.listgranhistory;
-  const std::size_t atoms = static_cast<std::size_t>(atom.nmax), per_pair = history ? history->dnum : 0;
-  coated_.assign(list.numneigh, list.numneigh + atom.nlocal);
+  const std::size_t per_pair = history ? history->dnum : 0;
+  // LIGGGHTS' arrays end with the last atom of the first group
+  const std::size_t atoms = list.inum == 0 ? 0 : 1 + static_cast<std::size_t>(*std::max_element(list.ilist, list.ilist + list.inum));
+  coated_.assign(atoms, 0);
   bare_.assign(atoms, 0);
-  first_.assign(list.firstneigh, list.firstneigh + atom.nlocal);
+  first_.assign(atoms, nullptr);
   flags_.assign(atoms, nullptr);
   values_.assign(atoms, nullptr);
   rows_.clear();
