@@ -16,7 +16,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "system"))
 from scenes import NEIGHBOURS, host, run  # noqa: E402
 
-RADIUS, GAP, WIDTH, CELL = 5e-3, 4e-4, 4e-4, 2e-4  # width: radius of the cement
+RADIUS, GAP, WIDTH, CELL = 5e-3, 4e-4, 2.5e-4, 2e-4  # width: radius of the cement
 APART = 10.8e-3
 E, B0 = 3e10, 1e3
 

@@ -84,7 +84,7 @@ class PointStress {
       const BlockMeta& m = points_.meta[b];
       if (m.damaged || always_) return stress_with_damage(b, strain_start, nonlocal_ ? average() : vd{}, stress);
       stress = law_.elasticity().stress(p.strain);
-      if (scatter_) return stress_with_scatter(b, strain_start, nonlocal_ ? average() : vd{}, stress);
+      if (scatter_) return stress_with_scatter(b, strain_start, average, stress);
       const double B = m.linked ? weakest_ : B_;
       const vd rough = L::rough_bound(stress, p.strain);
       if (!nonlocal_)
@@ -122,15 +122,17 @@ class PointStress {
 
   // Does what operator() does, for an undamaged block with drawn factors. `stress` is that without factors. With nonlocal damage a
   // strong point may raise the average at a weak one, so averages are always needed.
-  __attribute__((noinline)) bool stress_with_scatter(int b, const Sym3<vd>& strain_start, vd average, Sym3<vd>& stress) {
+  template <class Average>
+  __attribute__((noinline)) bool stress_with_scatter(int b, const Sym3<vd>& strain_start, const Average& average, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
     const BlockMeta& m = points_.meta[b];
     if constexpr (L::kFields > 0) {
       const vd strength = scatter_[b].strength * select(lanes(m.linked), splat(law_.interface()), splat(1.0));
       if (nonlocal_) {
         result_.near_threshold = true;
-        if (any(lanes(m.occupied) & (average > root_of_drive<L>(law_.lowest_threshold() * strength))))
-          return stress_with_damage(b, strain_start, average, stress);
+        const vd of_drive = average();
+        if (any(lanes(m.occupied) & (of_drive > root_of_drive<L>(law_.lowest_threshold() * strength))))
+          return stress_with_damage(b, strain_start, of_drive, stress);
       } else {
         const vd B = B_ * strength;
         if (any(L::rough_bound(stress, p.strain) > B * B) && any(L::square_bound(stress, p.strain) > B * B))

@@ -61,6 +61,9 @@ double mean_over_volume(const BondShare& b, F factor) {
     for (std::size_t n = 0; n < store->blocks.size(); ++n) sum += sum_lanes(store->blocks[n].volume * factor(*store, static_cast<int>(n)));
   return b.record.volume > 0.0 ? sum / b.record.volume : 0.0;
 }
+double mean_material(const BondShare& b) {
+  return mean_over_volume(b, [](const PointStore& points, int n) { return splat(points.meta[static_cast<std::size_t>(n)].material); });
+}
 double mean_strength(const BondShare& b) {
   return mean_over_volume(b, [](const PointStore& points, int n) { return drawn_strength(points, n); });
 }
@@ -112,7 +115,7 @@ std::vector<BondColumn> columns() {
       {"kinetic_share", "kinetic share of the energy of free grains and all cement", &CementTotals::kinetic_share},
       {"unbalanced_force", "unbalanced force of all free grains over the mean force of bonds and contacts",
        &CementTotals::unbalanced_force},
-      {"material", "number of the material of its points, 0 for that of fix mpm; -1 if they are of several", &BondState::material},
+      {"material", "mean over its volume of the number of the material, 0 for that of fix mpm", mean_material},
       {"strength_factor", "mean over its volume of the factor that was drawn for the strength; 1 without scatter", mean_strength},
       {"moduli_factor", "the same of the moduli", mean_moduli},
   };

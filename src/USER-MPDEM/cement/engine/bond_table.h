@@ -50,7 +50,6 @@ struct BondState {
   double failed = 0.0, largest_damage = 0.0, mean_damage = 0.0;
   double separated = 0.0, share[2] = {0.0, 0.0};  // 1 once separated; shares of the fracture surface at each grain
   double broken = 0.0;                            // 1 once separated, or when it carries almost nothing
-  double material = 0.0;                          // BondRecord::material
   std::vector<double> sums = std::vector<double>(static_cast<std::size_t>(summed_columns()), 0.0);  // in the order of their columns
 };
 

@@ -346,7 +346,6 @@ const std::vector<BondState>& Report::bond_loads() {
     for (int d = 0; d < 3; ++d) b.normal[d] = length > 0.0 ? axis[d] / length : 0.0;
     b.gap = both ? length - record.radius[0] - record.radius[1] : 0.0;
     b.broken = cracks_.broken(i);
-    b.material = record.material;
     if (!cracks_.broken(i)) continue;
     const FractureSurface& s = cracks_[i].separation;
     const double all = s.at_grain[0] + s.at_grain[1] + s.inside;

@@ -195,11 +195,7 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
     } else if (key == "points") {
       wish.later = args.choice(key, {"now", "later"}) == "later";
     } else if (key == "material") {
-      const std::vector<mpdem::Bonds::NamedMaterial>& known = AtomVecMpdem::of(lmp)->bonds.materials;
-      const int number = mpdem::number_of_material(args, known, args.word("the name of a material for 'material'"));
-      if (wish.shapes.empty()) wish.material = number;
-      wish.material_of_shape.resize(wish.shapes.size(), -1);
-      if (!wish.shapes.empty()) wish.material_of_shape.back() = number;
+      mpdem::take_material(args, AtomVecMpdem::of(lmp)->bonds.materials, wish);
     } else if (key == "density") {
       wish.density = args.positive(key);
     } else if (mpdem::read_content_word(key, args, wish.contents)) {

@@ -164,16 +164,18 @@ std::shared_ptr<Law> make_law(LAMMPS_NS::LAMMPS* lmp, const CementOptions& o, co
     w.damage = *m.damage;
   }
   if (m.energy > 0.0) {
-    double& energy = o.advance.nonlocal ? w.nonlocal_energy : w.crack_band;
-    if (energy == 0.0)
+    double* const of_fix_mpm = w.crack_band > 0.0 ? &w.crack_band : &w.nonlocal_energy;
+    if (*of_fix_mpm == 0.0)
       args.complain(
           text_of("'energy ", m.energy, "' needs a fix mpm with an energy: 'regularization crackband G' or 'nonlocal L energy G'"));
-    energy = m.energy;
+    *of_fix_mpm = m.energy;
   }
   return make_law(args, o, w);
 }
 
 std::string listed_material_words() { return listed("cement_material", material_keywords()); }
+
+namespace {
 
 int number_of_material(const Arguments& args, const std::vector<Bonds::NamedMaterial>& materials, const std::string& name) {
   if (name == kDefaultMaterial) return 0;
@@ -182,6 +184,18 @@ int number_of_material(const Arguments& args, const std::vector<Bonds::NamedMate
   std::string known = kDefaultMaterial;
   for (const Bonds::NamedMaterial& m : materials) known += ", " + m.name;
   args.complain(text_of("there is no 'material ", name, "'; known are ", known, "; define it before by 'cement_material ", name, " ...'"));
+}
+
+}  // namespace
+
+void take_material(Arguments& args, const std::vector<Bonds::NamedMaterial>& materials, CementRequest& wish) {
+  const int number = number_of_material(args, materials, args.word("the name of a material for 'material'"));
+  if (wish.shapes.empty()) {
+    wish.material = number;
+    return;
+  }
+  wish.material_of_shape.resize(wish.shapes.size(), -1);
+  wish.material_of_shape.back() = number;
 }
 
 }  // namespace mpdem

@@ -12,6 +12,7 @@
 
 #include "../../cement/bond/bond.h"
 #include "../../cement/bond/options.h"
+#include "../../cement/creation/cement_plan.h"
 #include "law_words.h"
 #include "word_rules.h"
 
@@ -55,8 +56,8 @@ MaterialWords read_material(LAMMPS_NS::LAMMPS* lmp, const Bonds::NamedMaterial& 
 std::shared_ptr<Law> make_law(LAMMPS_NS::LAMMPS* lmp, const CementOptions& o, const CementLawWords& of_fix, const MaterialWords& material);
 // Returns the keywords, one a line, see keywords.h.
 std::string listed_material_words();
-// Number of the material of this name, which may be `default`, 0. Stops if there is none.
-int number_of_material(const Arguments& args, const std::vector<Bonds::NamedMaterial>& materials, const std::string& name);
+// Reads the name after `material` of create_cement, which may be kDefaultMaterial. It is that of the last shape, or of the command.
+void take_material(Arguments& args, const std::vector<Bonds::NamedMaterial>& materials, CementRequest& wish);
 
 }  // namespace mpdem
 
