@@ -34,11 +34,12 @@ BOND = {
     "thickness": 49,
     "points": 50,
     "pattern": 51,
-    "wants points": 52,
-    "home": 53,
-    "left": 54,
+    "material": 52,
+    "wants points": 53,
+    "home": 54,
+    "left": 55,
 }
-BOND_NUMBERS = 56
+BOND_NUMBERS = 57
 FIX = {
     "version": 0,
     "cell": 1,
