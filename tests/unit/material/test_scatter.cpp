@@ -102,6 +102,35 @@ TEST(Scatter, FieldIsAFunctionOfPositionAlone) {
   EXPECT_NE(field(5, 0.7, 1.0).at(x), field(6, 0.7, 1.0).at(x));
 }
 
+// The strength of the weakest of the points of a cube falls somewhat faster than edge^(-3/m), that of points that are independent:
+// low values of a smooth field come in regions, whose number has a factor that grows slowly with their rareness.
+TEST(Scatter, SizeEffect) {
+  const ScatterRule r = rule(ScatterRule::weibull, 6.0);
+  double mean[3];
+  for (int size = 0; size < 3; ++size) {
+    const double edge = 2 << size, step = 0.5;
+    const int seeds = 60;
+    double sum = 0.0;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      const GaussianField f(seed + 1000 * (2 << size), 1.0, {0.0, 0.0, 0.0}, {edge, edge, edge});
+      double least = 1e9;
+      for (double x = 0.5 * step; x < edge; x += step)
+        for (double y = 0.5 * step; y < edge; y += step)
+          for (double z = 0.5 * step; z < edge; z += step) {
+            const double at[3] = {x, y, z};
+            least = std::min(least, f.at(at));
+          }
+      sum += std::log(r.factor(least));
+    }
+    mean[size] = sum / seeds;
+  }
+  for (int size = 1; size < 3; ++size) {
+    const double slope = (mean[size] - mean[size - 1]) / std::log(2.0) / (-3.0 / r.parameter);
+    EXPECT_GT(slope, 1.0);
+    EXPECT_LT(slope, 1.3);
+  }
+}
+
 TEST(Scatter, RulesOfAPropertyMultiply) {
   Scatter both, of_bond, of_field;
   of_bond.rules = {rule(ScatterRule::weibull, 6.0)};
