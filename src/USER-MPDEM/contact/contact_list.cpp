@@ -195,6 +195,9 @@ ContactList find_contacts(MPI_Comm comm, const std::vector<CementPiece>& pieces,
     add_candidates(g, pieces, motions, walls, margin, list);
   }
   list.slips.resize(kMostNormals * list.candidates.size());
+  int mine = !list.groups.empty(), any;
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);
+  list.any = any != 0;
   return list;
 }
 

@@ -82,6 +82,7 @@ struct ContactList {
   std::vector<int> near;
   std::vector<ContactSlip> slips;  // kMostNormals of each candidate
   std::vector<int> bonds;          // rows of groups within a bond that is separated
+  bool any = false;                // some rank has candidates
 
   void clear() { *this = ContactList(); }
   ContactSlip* slips_of(std::size_t candidate) { return &slips[kMostNormals * candidate]; }

@@ -77,9 +77,6 @@ void PieceContact::search(MPI_Comm comm, const std::vector<ContactBody>& bodies,
   loads_of_bonds_.clear();
   for (int row : list_.bonds) loads_of_bonds_.push_back({row, {}});
   clear_overlaps(comm, walls);
-  int mine = !list_.groups.empty(), any;
-  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);
-  any_ = any;
 }
 
 // The overlap of surfaces that are new is taken from the radius of their points.
@@ -338,7 +335,7 @@ bool PieceContact::find_forces(MPI_Comm comm, std::vector<ContactBody>& bodies, 
   for (LoadOfBond& l : loads_of_bonds_) l = {l.row, {}};
   path_of_walls_ += path_at(walls.largest_speed(), dt);
   travel_ += longest_path(bodies, walls, dt);
-  if (any_) {
+  if (list_.any) {
     motions_.take(bodies);
     examine(dt, walls);
     motions_.give_forces(bodies);

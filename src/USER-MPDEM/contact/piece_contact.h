@@ -105,7 +105,6 @@ class PieceContact {
   std::vector<KnownSlips> kept_;  // of this rank, since pieces were replaced
   ContactList list_;
   BodyMotions motions_;
-  bool any_ = false;  // some rank has candidates
   double travel_ = 0.0, path_of_walls_ = 0.0, stored_ = 0.0, dissipated_ = 0.0, deepest_ = 0.0, deepest_so_far_ = 0.0;
   std::vector<Contact> contacts_;
   std::vector<LoadOfBond> loads_of_bonds_;  // of list_.bonds
