@@ -14,8 +14,7 @@
 // where g_n are independent standard normal numbers. So z is standard normal at every x, exactly, and its correlation at
 // distance r is exp(-(r/L)^2). The lattice has the spacing L/2, the standard deviation of w, where the sums are independent
 // of the position of the lattice to 1e-4. The kernel ends at four standard deviations. A factor has the same probability
-// under its distribution as z has under the normal distribution (a translation field: M. Grigoriu, J. Eng. Mech. 110 (1984)
-// 610).
+// under its distribution as z has under the normal distribution (a translation field).
 #ifndef MPDEM_MATERIAL_SCATTER_H
 #define MPDEM_MATERIAL_SCATTER_H
 
