@@ -7,7 +7,7 @@ set -eu
 packages="g++ make cmake liggghts libliggghts-dev libeigen3-dev libopenmpi-dev openmpi-bin openssh-client
           libgtest-dev libbenchmark-dev python3-numpy python3-scipy python3-matplotlib python3-pil python3-pytest
           python3-vtk9 patch xz-utils"
-docs="python3-sphinx python3-myst-parser furo"
+docs="python3-sphinx python3-myst-parser furo libjs-mathjax"
 for word in "$@"; do
   case "$word" in
     docs) packages="$packages $docs" ;;

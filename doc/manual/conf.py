@@ -3,11 +3,13 @@
 """How Sphinx makes the manual from the pages of this repository: `make docs`. Its source folder is the top of the repository."""
 import os
 import re
+import shutil
 from pathlib import Path
 
 from pygments.lexer import RegexLexer
 from pygments.lexers.shell import BashLexer
 from pygments.token import Comment, Keyword, Name, Number, Punctuation, Text
+from sphinx.errors import ExtensionError
 
 ROOT = Path(__file__).resolve().parents[2]
 found = re.search(r'^version: *"?([^"\n]+)', (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)
@@ -18,15 +20,28 @@ project = "USER-MPDEM"
 author = "The USER-MPDEM developers"
 project_copyright = author
 release = found[1]
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx.ext.mathjax"]
 root_doc = "doc/manual/contents"
 include_patterns = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "doc/*.md", "doc/manual/contents.rst", "patches/README.md", "tests/mutation/README.md"]
 myst_heading_anchors = 5  # links to headings use the names that GitHub gives them
+myst_enable_extensions = ["dollarmath"]  # $...$ and $$...$$, by the rules of GitHub
+myst_dmath_allow_space = myst_dmath_allow_digits = False
+myst_update_mathjax = False
 html_theme = "furo"
 html_title = f"{project} {release}"
 html_show_sourcelink = False
 html_copy_source = False
 html_extra_path = ["front"]
+html_static_path = ["static"]
+html_css_files = ["manual.css"]
+# MathJax of Debian draws formulas as SVG: no fonts are loaded, so a browser shows them from a folder, too.
+mathjax_path = "mathjax/MathJax.js?config=TeX-AMS_SVG"
+mathjax2_config = {
+    "messageStyle": "none",
+    "menuSettings": {"zoom": "None"},
+    "tex2jax": {"ignoreClass": ".*", "processClass": "math"},
+    "SVG": {"font": "TeX", "linebreaks": {"automatic": False}},
+}
 latex_engine = "xelatex"
 latex_documents = [(root_doc, "user-mpdem.tex", f"{project} {release}", author, "manual")]
 
@@ -89,9 +104,32 @@ def for_myst(known, page, text):
     return ANCHOR.sub(lambda m: f"({label_of(page, m[1])})=\n", LINK.sub(link, text))
 
 
+MATHJAX = Path("/usr/share/javascript/mathjax")
+# What a page with formulas may ask for; the rest of the package is other fonts, inputs and languages.
+PARTS = ["MathJax.js", "config/TeX-AMS_SVG.js", "extensions", "jax/element", "jax/input/TeX", "jax/output/SVG", "localization/en"]
+LEFT_OUT = ["Asana-Math", "Gyre-*", "Latin-Modern", "Neo-Euler", "STIX-Web"]
+
+
+def copy_mathjax(app, exception):
+    """Puts MathJax beside the pages, so that the folder of the manual can be moved and read without a network."""
+    if exception or app.builder.format != "html":
+        return
+    if not (MATHJAX / "MathJax.js").is_file():
+        raise ExtensionError(f"{MATHJAX} has no MathJax.js: install Debian's package libjs-mathjax")
+    for name in PARTS:
+        source, to = MATHJAX / name, Path(app.outdir) / "_static" / "mathjax" / name
+        to.parent.mkdir(parents=True, exist_ok=True)
+        if source.is_dir():
+            shutil.copytree(source, to, ignore=shutil.ignore_patterns(*LEFT_OUT), dirs_exist_ok=True)
+        else:
+            shutil.copy2(source, to)
+    shutil.copy2("/usr/share/doc/libjs-mathjax/copyright", Path(app.outdir) / "_static" / "mathjax" / "copyright")
+
+
 def setup(app):
     known = anchors()
     app.connect("source-read", lambda _app, name, source: source.__setitem__(0, for_myst(known, f"{name}.md", source[0])))
+    app.connect("build-finished", copy_mathjax)
     app.add_lexer("liggghts", ScriptLexer)
     for language in languages():
         if language.startswith("liggghts-"):

@@ -11,8 +11,8 @@ What is fenced has a word that says what becomes of it:
   liggghts-compression  a script that includes cement.in, which test_parameters.py runs
   liggghts-specimen   lines of examples/specimen, which test_specimen.py runs
   liggghts-template   lines with words to be replaced; the command or style must be there
-  text                neither: output, formulas, folders
-Indented blocks are templates under the head Syntax, and formulas on the page theory.md. There are no others.
+  text                neither: output, folders
+Indented blocks are templates under the head Syntax. There are no others. Formulas are $...$ and $$...$$, see test_formulas.py.
 """
 import re
 import shutil
@@ -190,8 +190,7 @@ def test_order_of_a_page(page):
 def test_blocks_say_what_they_are(page):
     kinds = {kind for _, kind, _ in FENCED.findall(page.read_text())}
     assert kinds <= KINDS and page.read_text().count("```") == 2 * len(FENCED.findall(page.read_text())), kinds
-    if page.name != "theory.md":
-        assert not [(head, line) for head, line in indented(page) if head != "Syntax"]
+    assert not [(head, line) for head, line in indented(page) if head != "Syntax"]
 
 
 # --------------------------------------------------------------------------------------------------- commands
