@@ -152,15 +152,15 @@ def strain_rows(load, r, N, N_r, N_z):
     return tuple(B[..., use].reshape(r.size, B.shape[1], -1) for B in (cosine, sine)), len(use)
 
 
-def stiffness(load, body, elastic, axis):
-    """Force or moment per relative motion of the spheres: N/m for tension and shear, else N m/rad."""
+def element_matrices(load, body, elastic, axis, density=0.0):
+    """Stiffness and mass of each element, and the number of unknowns of a node."""
     r_all, z_all = body.r.ravel(), body.z.ravel()
     elements = element_nodes(body.r.shape)
     C = elastic.meridional_stiffness()
     Gp = elastic.Ep / (2 * (1 + elastic.nu_p))
     around = math.pi if load in ("shear", "bending") else 2 * math.pi  # integral of cos^2 (n theta)
     rule = list(zip(*np.polynomial.legendre.leggauss(4)))
-    Ke, smallest = 0.0, math.inf
+    Ke, Me, smallest = 0.0, 0.0, math.inf
     for (a, wa), (b, wb) in ((first, second) for first in rule for second in rule):
         (Na, dNa), (Nb, dNb) = quadratic_shape(a), quadratic_shape(b)
         N, N_a, N_b = (np.outer(*f).ravel() for f in ((Na, Nb), (dNa, Nb), (Na, dNb)))
@@ -179,10 +179,21 @@ def stiffness(load, body, elastic, axis):
         B = to_material.transpose(2, 0, 1) @ B
         along = np.array([[a_r, a_z], [a_z, -a_r]]).transpose(2, 0, 1) @ shear  # shear along and across the axis
         K = B.transpose(0, 2, 1) @ (C @ B) + along.transpose(0, 2, 1) @ (np.diag([elastic.Gzp, Gp]) @ along)
-        Ke = Ke + (around * r * det * wa * wb)[:, None, None] * K
+        volume = around * r * det * wa * wb
+        Ke = Ke + volume[:, None, None] * K
+        if density:
+            per_unknown = [2.0, 2.0, 1.0] if unknowns == 3 else [1.0] * unknowns  # U^2 + V^2 = 2 (p^2 + q^2)
+            Me = Me + density * volume[:, None, None] * np.kron(np.outer(N, N), np.diag(per_unknown))
     if not smallest > 0:
         raise ValueError("the mesh folds; the shape is too far from a quadrilateral")
+    return Ke, Me, unknowns
 
+
+def stiffness(load, body, elastic, axis):
+    """Force or moment per relative motion of the spheres: N/m for tension and shear, else N m/rad."""
+    r_all, z_all = body.r.ravel(), body.z.ravel()
+    elements = element_nodes(body.r.shape)
+    Ke, _, unknowns = element_matrices(load, body, elastic, axis)
     index = np.arange(r_all.size).reshape(body.r.shape)
     grain, plane, centre = index[:, -1], index[: body.middle + 1, 0], np.flatnonzero(r_all == 0)
     r, z = r_all[grain], z_all[grain]

@@ -82,7 +82,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // follow the records, the magic bytes, the count of the values of the templates, these values, and the magic bytes
   // again.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 27, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: index in the head
+  static constexpr int kRestartVersion = 28, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: index in the head
   static inline bool restart_is_sealed = false;  // set by host/restart_seal.cpp: the file that is written will get a seal
 
   // Rows of nodes, kNumbersOfRow values each, that the next restart file stores with the points of a bond on this rank.

@@ -183,6 +183,14 @@ void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p
   set_time_step(coupling);
 }
 
+void FixMpm::set_grains(const Fix* coupling, const std::vector<mpdem::ElasticPair>& of_rows) {
+  try {
+    cement_->set_elastic_grains(of_rows);
+  } catch (const mpdem::BadState& e) {
+    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): ", e.what()));
+  }
+}
+
 // Stops if options of this fix and others exclude each other. from_here: does this fix report it?
 void FixMpm::refuse(const std::string& who, std::vector<mpdem::SceneOption> others, bool from_here) {
   for (const mpdem::SceneOption& w : words_) others.push_back({w.words, from_here ? "" : text_of("fix mpm (id ", id, ")")});
