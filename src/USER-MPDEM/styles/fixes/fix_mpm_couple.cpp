@@ -80,7 +80,9 @@ const std::vector<CoupleKeyword>& couple_keywords() {
          w.friction = args.between(k.name, 0.0, kMostFriction, "coefficient of friction");
        }},
       {"grains", "rigid or elastic E nu [type T E nu] [rigid T]", "rigid",
-       [](Arguments& args, const CoupleKeyword& k, Words& w) { w.grains = k.is(args, "elastic") ? elastic_types(args) : std::vector<mpdem::ElasticType>(); }},
+       [](Arguments& args, const CoupleKeyword& k, Words& w) {
+         w.grains = args.choice(k.name, {"rigid", "elastic"}) == "elastic" ? elastic_types(args) : std::vector<mpdem::ElasticType>();
+       }},
       {"csv", "N file", "",
        [](Arguments& args, const CoupleKeyword& k, Words& w) {
          w.table_every = args.integer(k.name, 1);
