@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "USER-MPDEM"
 
-CORE = {"coupling", "fracture", "mpm", "material", "numerics", "parallel"}
+CORE = {"coupling", "fracture", "grain", "mpm", "material", "numerics", "parallel"}
 ENGINE = CORE | {"geometry", "contact", "cement/creation", "cement/bond", "cement/failure", "cement/layout", "cement/condensed", "cement/step", "cement/engine"}
 
 # What each room may include besides itself.
@@ -17,10 +17,11 @@ BELOW = {
     "numerics": set(),
     "parallel": {"numerics"},
     "geometry": {"numerics"},
+    "grain": set(),
     "material": {"numerics"},
     "mpm": {"material", "numerics", "parallel"},
     "fracture": {"mpm", "material", "numerics", "parallel"},
-    "coupling": {"mpm", "material", "numerics", "parallel"},
+    "coupling": {"mpm", "material", "grain", "numerics", "parallel"},
     "contact": {"mpm", "material", "numerics", "parallel"},
     "cement/creation": {"geometry", "mpm", "numerics", "parallel"},
     "cement/bond": CORE,

@@ -8,8 +8,8 @@ that is orthonormal on the unit sphere, traction and displacement are sums of
 
   t = t_r Y n + t_s grad Y + t_t n x grad Y,   u = u_r Y n + u_s grad Y + u_t n x grad Y,   grad: on the unit sphere.
 
-The pole of the harmonics is the contact.  Fields go as cos(m phi) or sin(m phi), m = 0 or 1.  For l > 1 see Love (1927, 172 to 174) or
-Lur'e (1964, chapter 5).  SI units.
+The pole of the harmonics is the contact.  Fields go as cos(m phi) or sin(m phi), m = 0 or 1.  The formulas follow from the regular solutions of the sphere (Love 1927, see doc/bibliography.md), and are
+checked below.  SI units.
 
     elastic_sphere.py --self-check
 """
@@ -39,9 +39,7 @@ def spheroidal(degree, nu):
         return np.array([c * (8 * nu - 4) + 4 * U / 5, c * (4 - 4 * nu) - U / 5])
     f = 1 / (2 * (l - 1) * (l * l + l + 1 + nu * (2 * l + 1)))
     cross = (1 - 2 * nu) * l - 2 + nu
-    return f * np.array(
-        [[2 * (1 - nu) * l * l + nu * l + 2 * nu - 1, -l * (l + 1) * cross], [-cross, 2 * (1 - nu) * l * l - (1 - 3 * nu) * l + 1 + nu]]
-    )
+    return f * np.array([[2 * (1 - nu) * l * l + nu * l + 2 * nu - 1, -l * (l + 1) * cross], [-cross, 2 * (1 - nu) * l * l - (1 - 3 * nu) * l + 1 + nu]])
 
 
 def toroidal(degree):
@@ -68,6 +66,8 @@ def compliance(m, theta, weight, fields, R, E, nu, highest):
     fields: (fields, 3, points): t_n along the outward normal, t_theta from the pole on, both times cos(m phi), and t_phi times
     sin(m phi), or 1 for m = 0; weight: of the points for the integral over R theta, without the circumference.
     """
+    if math.isinf(E):
+        return np.zeros((len(fields), len(fields)))
     around = math.pi if m else 2 * math.pi
     s = np.sin(theta)
     w = around * weight * s / R
@@ -144,7 +144,7 @@ def work_by_fe(load, R, E, nu, traction, n):
 def solutions_inside(l, nu, R=1.0, mu=1.0):
     """Columns (u_r, u_s, t_r, t_s) at the surface of both regular solutions without body force, from the definitions.
 
-    With h = r^l Y these are grad h, and r^2 grad h + a x h with the a that makes it an equilibrium (Love 1927, 172).
+    With h = r^l Y these are grad h, and r^2 grad h + a x h with the a that makes it an equilibrium.
     """
     lam = 2 * mu * nu / (1 - 2 * nu)
     a = -2 * (l * lam + (3 * l + 1) * mu) / ((l + 3) * lam + (l + 5) * mu)

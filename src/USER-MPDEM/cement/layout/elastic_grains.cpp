@@ -34,9 +34,6 @@ void set_elastic_grains(MPI_Comm comm, Bonds& bonds, const std::vector<ElasticPa
   for (const Bond& b : bonds) {
     const BondRecord& record = bonds.record(b);
     if (record.grain_E[0] + record.grain_E[1] == 0.0) continue;
-    if (!b.film.empty() && trouble.empty())
-      trouble = text_of("the bond of grains ", record.grain[0], " and ", record.grain[1],
-                        " has a film, which cannot be on an elastic grain yet; use 'grains rigid', or cement without a film");
     double line[3];
     for (int d = 0; d < 3; ++d) line[d] = record.centre[1][d] - record.centre[0][d];
     const double length = std::sqrt(line[0] * line[0] + line[1] * line[1] + line[2] * line[2]);

@@ -19,7 +19,7 @@ namespace mpdem {
 using ElasticPair = std::array<GrainElasticity, 2>;
 
 // Collective. Sets the elasticity of the grains of all bonds, the same on all ranks. A patch is found when its grain becomes elastic,
-// and stays. Throws BadState on all ranks if a bond that has moved had others, or has a film.
+// and stays. Throws BadState on all ranks if a bond that has moved had others.
 void set_elastic_grains(MPI_Comm comm, Bonds& bonds, const std::vector<ElasticPair>& of_rows);
 
 }  // namespace mpdem

@@ -56,12 +56,6 @@ const Exclusion kExclusions[] = {
     {"regularization nonlocal energy", "damage without damage tensor", "this law cannot be given the energy of a crack",
      "no 'energy', or 'damage tensor'"},
     {"quasistatic S Z above 0", "coupling none", "it damps motion relative to the grains", "damping 0, or a fix mpm/couple"},
-    {"grains elastic", kTransfers, "elastic grains need links whose ends stay", "'grains rigid', or 'kinematics total' without 'reproject'"},
-    {"grains elastic", "interface cohesive", "links to elastic grains are springs so far", "'grains rigid' or 'interface penalty'"},
-    {"grains elastic", "friction", "debonded cement touches rigid grains so far", "'grains rigid', or no 'friction'"},
-    {"grains elastic", "at points", "elastic grains are held at their surface", "'grains rigid' or 'at surface'"},
-    {"grains elastic", "points later", "bonds of one template may have other grains", "'grains rigid', or 'fix_modify ... points all'"},
-    {"grains elastic", "subcycle N above 1 | subcycle auto", "this has not been tried", "'grains rigid' or 'subcycle no'"},
     {"friction", kNewReference, "it needs a reference that stays", "no 'friction', or 'kinematics total' without 'reproject auto'"},
     {"friction", "cracks split with mass_order 2", "forces between faces of cracks are found with lumped masses",
      "no 'friction', or 'mass_order 1' or 'cracks bonds'"},
@@ -71,6 +65,13 @@ const Exclusion kExclusions[] = {
      "'cracks bonds', or 'fix_modify ... points all', which makes all points now"},
     {"points later", "axis global", "bonds of one template have the same axes",
      "'axis radial' or 'axis bond', or 'fix_modify ... points all', which makes all points now"},
+    {"grains elastic", kTransfers, "surfaces of elastic grains keep their reference", "'grains rigid', or 'kinematics total' without 'reproject'"},
+    {"grains elastic", "interface cohesive", "elastic grains follow links that are springs", "'grains rigid' or 'interface penalty'"},
+    {"grains elastic", "friction", "debonded cement touches rigid grains", "'grains rigid', or no 'friction'"},
+    {"grains elastic", "at points", "elastic grains give way at their surface", "'grains rigid' or 'at surface'"},
+    {"grains elastic", "film joined", "columns of a film lie between rigid grains", "'grains rigid', or 'film grid' of create_cement"},
+    {"grains elastic", "points later", "bonds of one template may have other grains", "'grains rigid', or 'fix_modify ... points all'"},
+    {"grains elastic", "subcycle N above 1 | subcycle auto", "impulses are shared with rigid grains", "'grains rigid' or 'subcycle no'"},
 };
 
 bool is_number(const std::string& word, double& v) {
