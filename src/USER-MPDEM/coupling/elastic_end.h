@@ -12,8 +12,8 @@
 //   q = M s,   s = sum A_i Phi_i' K'_i d_i,   M = ((L L')^-1 + S)^-1 = L (1 + L' S L)^-1 L',   S = sum A_i Phi_i' K'_i Phi_i.
 //
 // The surface is in equilibrium with the links at each time: it has neither inertia nor state. The energy is at most that of
-// links K' to a rigid grain, so the added mass of these makes a step stable. Where links let go, S is made anew in the order of
-// the links, so it is a function of those that hold.
+// links K' to a rigid grain, so the added mass of these makes a step stable. Where links debond, S is made anew in the order of
+// the links, so it is a function of those that are attached.
 //
 // Vectors of modes have three numbers a scalar mode. They are in the axes of the patch, which rotate with the grain. Links
 // are in blocks of eight, one a lane.
@@ -21,6 +21,7 @@
 #define MPDEM_COUPLING_ELASTIC_END_H
 
 #include <Eigen/Dense>
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -58,7 +59,7 @@ class ElasticEnd {
   void displacement(std::size_t block, const double* q, vd* u) const;
 
   // S as numbers to be summed over ranks: six components for each pair of modes. K: stiffness of the links of each block times
-  // their area, zero if they let go.
+  // their area, zero if they are debonded.
   std::vector<double> stiffness(const std::vector<TractionSecant>& K) const;
   // M of these sums.
   Eigen::MatrixXd response(const std::vector<double>& sums) const;
@@ -75,11 +76,27 @@ class ElasticEnd {
   std::vector<vd> values_;  // of each block: radial functions, harmonics, and the direction
 };
 
+// Both ends of a bond, at least one of them elastic, in a step.
+struct ElasticEnds {
+  struct Side {
+    ElasticEnd end;
+    std::size_t first_block = 0;             // of its links
+    Eigen::MatrixXd response;                // M
+    Eigen::VectorXd loads, amplitudes;       // s, share of this rank; q
+    Eigen::VectorXd debonded_loads, before;  // share in s of links that debonded in this step; s of the others at the step before
+  };
+  std::array<Side, 2> side;
+  bool stiffness_changed = true;  // links debonded since M was found, or it is not known
+  bool some_debonded = false;     // links of the bond debonded in this step, on any rank
+  double released = 0.0;          // energy, in this step
+};
+
 // Rotates a vector of modes by R.
 inline Eigen::VectorXd turned_modes(const Mat3<double>& R, const Eigen::VectorXd& modes) {
   const Eigen::Matrix3d turn = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&R.a[0][0]);
   Eigen::VectorXd out(modes.size());
-  Eigen::Map<Eigen::Matrix3Xd>(out.data(), 3, modes.size() / 3) = turn * Eigen::Map<const Eigen::Matrix3Xd>(modes.data(), 3, modes.size() / 3);
+  Eigen::Map<Eigen::Matrix3Xd>(out.data(), 3, modes.size() / 3) =
+      turn * Eigen::Map<const Eigen::Matrix3Xd>(modes.data(), 3, modes.size() / 3);
   return out;
 }
 

@@ -35,13 +35,12 @@ Eigen::VectorXd in_axes(const Mat3<double>& axes, const vd* sums, int size) {
 }  // namespace
 
 void PenaltyLinks::lay_out_elastic(const BondRecord& record) {
-  elastic_.resize(2);
-  stiffness_changed_ = true;
+  elastic_.emplace();
   const Eigen::Vector3d centre[2] = {Eigen::Vector3d(record.centre[0][0], record.centre[0][1], record.centre[0][2]),
                                      Eigen::Vector3d(record.centre[1][0], record.centre[1][1], record.centre[1][2])};
   std::size_t first = 0;
   for (int s = 0; s < 2; ++s) {
-    Elastic& e = elastic_[static_cast<std::size_t>(s)];
+    ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(s)];
     e.first_block = first;
     std::size_t end = first;
     while (end < blocks_.size() && blocks_[end].side == s) ++end;
@@ -62,16 +61,16 @@ void PenaltyLinks::lay_out_elastic(const BondRecord& record) {
       for (int d = 0; d < 3; ++d) direction[d] = inverse * (axes.a[0][d] * from[0] + axes.a[1][d] * from[1] + axes.a[2][d] * from[2]);
       e.end.add_block(direction);
     }
-    e.loads = e.before = e.freed = Eigen::VectorXd::Zero(e.end.size());
+    e.loads = e.before = e.debonded_loads = Eigen::VectorXd::Zero(e.end.size());
   }
 }
 
 Mat3<double> PenaltyLinks::axes_of_patch(int side, const BondEnd& s) const {
-  return product(s.R, product(transpose(orientation_[side]), elastic_[static_cast<std::size_t>(side)].end.axes()));
+  return product(s.R, product(transpose(orientation_[side]), elastic_->side[static_cast<std::size_t>(side)].end.axes()));
 }
 
 std::vector<double> PenaltyLinks::modal_stiffness(int side) const {
-  const Elastic& e = elastic_[static_cast<std::size_t>(side)];
+  const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
   const TractionSecant k = e.end.softened(TractionSecant{splat(p_.law->stiffness().kn), splat(p_.law->stiffness().kt)});
   std::vector<TractionSecant> of_blocks;
   for (std::size_t i = e.first_block; i < blocks_.size() && blocks_[i].side == side; ++i) {
@@ -81,17 +80,17 @@ std::vector<double> PenaltyLinks::modal_stiffness(int side) const {
   return e.end.stiffness(of_blocks);
 }
 
-void PenaltyLinks::take_modal_stiffness(int side, const std::vector<double>& of_all, bool let_go) {
-  Elastic& e = elastic_[static_cast<std::size_t>(side)];
+void PenaltyLinks::take_modal_stiffness(int side, const std::vector<double>& of_all, bool debonded) {
+  ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
   e.response = e.end.response(of_all);
-  let_go_ = let_go_ || (let_go && e.amplitudes.size() > 0);
-  stiffness_changed_ = false;
+  elastic_->some_debonded = elastic_->some_debonded || (debonded && e.amplitudes.size() > 0);
+  elastic_->stiffness_changed = false;
 }
 
 void PenaltyLinks::find_modal_loads(const Grid& grid, const BondEnd* ends, double dt) {
   with_basis(basis_, [&](auto type) {
     for (int side = 0; side < 2; ++side) {
-      Elastic& e = elastic_[static_cast<std::size_t>(side)];
+      ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
       if (e.end.is_rigid()) continue;
       const BondEnd& s = ends[side];
       const TractionSecant k = e.end.softened(TractionSecant{splat(p_.law->stiffness().kn), splat(p_.law->stiffness().kt)});
@@ -108,7 +107,7 @@ void PenaltyLinks::find_modal_loads(const Grid& grid, const BondEnd* ends, doubl
         traction(k, delta, n, f);
         for (vd& component : f) component *= area;
         e.end.add_loads(i - e.first_block, f, sums);
-        if (!let_go_) continue;
+        if (!elastic_->some_debonded) continue;
         vd v[3];
         find_velocity(b, grid, s, w, q, v);
         for (int d = 0; d < 3; ++d) delta[d] -= dt * v[d];
@@ -118,25 +117,25 @@ void PenaltyLinks::find_modal_loads(const Grid& grid, const BondEnd* ends, doubl
       }
       const Mat3<double> axes = axes_of_patch(side, s);
       e.loads = in_axes(axes, sums, e.end.size());
-      if (let_go_) e.before = in_axes(axes, sums_before, e.end.size());
+      if (elastic_->some_debonded) e.before = in_axes(axes, sums_before, e.end.size());
     }
   });
 }
 
-// Central differences of the springs of all links, before and after some of them let go. See energy_at_debonding(), which has the
+// Central differences of the springs of all links, before and after some of them debond. See energy_at_debonding(), which has the
 // part without the modes.
 void PenaltyLinks::take_modal_loads(int side, const Eigen::VectorXd& of_all) {
-  Elastic& e = elastic_[static_cast<std::size_t>(side)];
+  ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
   const Eigen::VectorXd now = e.response * of_all;
-  released_by_modes_ += let_go_ ? 0.5 * (e.before.dot(now) - (e.loads + e.freed).dot(e.amplitudes)) : 0.0;
+  elastic_->released += elastic_->some_debonded ? 0.5 * (e.before.dot(now) - (e.loads + e.debonded_loads).dot(e.amplitudes)) : 0.0;
   e.amplitudes = now;
-  e.freed.setZero();
+  e.debonded_loads.setZero();
 }
 
 double PenaltyLinks::add_elastic_force(Grid& grid, BondEnd* ends) {
   with_basis(basis_, [&](auto type) {
     for (int side = 0; side < 2; ++side) {
-      const Elastic& e = elastic_[static_cast<std::size_t>(side)];
+      const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
       BondEnd& s = ends[side];
       const TractionSecant k = e.end.softened(TractionSecant{splat(p_.law->stiffness().kn), splat(p_.law->stiffness().kt)});
       const Eigen::VectorXd amplitudes = e.end.is_rigid() ? Eigen::VectorXd() : turned_modes(axes_of_patch(side, s), e.amplitudes);
@@ -162,28 +161,31 @@ double PenaltyLinks::add_elastic_force(Grid& grid, BondEnd* ends) {
       }
     }
   });
-  const double released = released_by_modes_;
-  released_by_modes_ = 0.0;
-  let_go_ = false;
+  const double released = elastic_->released;
+  elastic_->released = 0.0;
+  elastic_->some_debonded = false;
   return released;
 }
 
 void PenaltyLinks::add_whole_elastic_force(Grid& grid, BondEnd* ends, double dt, double& released) {
-  for (int side = 0; side < 2 && stiffness_changed_; ++side)
-    if (!elastic_[side].end.is_rigid()) elastic_[side].response = elastic_[side].end.response(modal_stiffness(side));
-  stiffness_changed_ = false;
+  for (int side = 0; side < 2 && elastic_->stiffness_changed; ++side)
+    if (!elastic_->side[static_cast<std::size_t>(side)].end.is_rigid())
+      elastic_->side[static_cast<std::size_t>(side)].response =
+          elastic_->side[static_cast<std::size_t>(side)].end.response(modal_stiffness(side));
+  elastic_->stiffness_changed = false;
   find_modal_loads(grid, ends, dt);
   for (int side = 0; side < 2; ++side)
-    if (!elastic_[side].end.is_rigid()) take_modal_loads(side, Eigen::VectorXd(elastic_[side].loads));
+    if (!elastic_->side[static_cast<std::size_t>(side)].end.is_rigid())
+      take_modal_loads(side, Eigen::VectorXd(elastic_->side[static_cast<std::size_t>(side)].loads));
   released += add_elastic_force(grid, ends);
 }
 
 void PenaltyLinks::add_freed(std::size_t i, std::uint8_t freed, const Grid& grid, const BondEnd& s) {
   const LinkBlock& b = blocks_[i];
-  Elastic& e = elastic_[b.side];
-  stiffness_changed_ = true;
+  ElasticEnds::Side& e = elastic_->side[b.side];
+  elastic_->stiffness_changed = true;
   if (e.end.is_rigid() || e.amplitudes.size() == 0) return;
-  let_go_ = true;
+  elastic_->some_debonded = true;
   const TractionSecant k = e.end.softened(TractionSecant{splat(p_.law->stiffness().kn), splat(p_.law->stiffness().kt)});
   vd q[3], delta[3], n[3], f[3];
   with_basis(basis_, [&](auto type) { find_separation(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
@@ -192,22 +194,25 @@ void PenaltyLinks::add_freed(std::size_t i, std::uint8_t freed, const Grid& grid
   Sums sums;
   std::fill(sums, sums + e.end.size(), vd{});
   e.end.add_loads(i - e.first_block, f, sums);
-  e.freed += in_axes(axes_of_patch(b.side, s), sums, e.end.size());
+  e.debonded_loads += in_axes(axes_of_patch(b.side, s), sums, e.end.size());
 }
 
 double PenaltyLinks::modal_energy() const {
   double energy = 0.0;
-  for (const Elastic& e : elastic_)
+  for (const ElasticEnds::Side& e : elastic_->side)
     if (e.amplitudes.size() > 0) energy += 0.5 * e.loads.dot(e.amplitudes);
   return energy;
 }
 
 void PenaltyLinks::continue_from(const PenaltyLinks& before) {
-  for (std::size_t s = 0; s < std::min(elastic_.size(), before.elastic_.size()); ++s)
-    if (elastic_[s].end.size() == before.elastic_[s].end.size()) {
-      elastic_[s].amplitudes = before.elastic_[s].amplitudes;
-      elastic_[s].loads = before.elastic_[s].loads;
-    }
+  if (!elastic_ || !before.elastic_) return;
+  for (std::size_t s = 0; s < 2; ++s) {
+    ElasticEnds::Side& to = elastic_->side[s];
+    const ElasticEnds::Side& from = before.elastic_->side[s];
+    if (to.end.size() != from.end.size()) continue;
+    to.amplitudes = from.amplitudes;
+    to.loads = from.loads;
+  }
 }
 
 std::array<Eigen::VectorXd, 2> PenaltyLinks::small_modal_loads(const std::vector<Secant>& secants, const BondEnd* ends, const double* x,
@@ -215,7 +220,7 @@ std::array<Eigen::VectorXd, 2> PenaltyLinks::small_modal_loads(const std::vector
   std::array<Eigen::VectorXd, 2> loads;
   with_basis(basis_, [&](auto type) {
     for (int side = 0; side < 2; ++side) {
-      const Elastic& e = elastic_[static_cast<std::size_t>(side)];
+      const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
       Sums sums;
       std::fill(sums, sums + e.end.size(), vd{});
       const double* g = motion[side];
@@ -231,7 +236,8 @@ std::array<Eigen::VectorXd, 2> PenaltyLinks::small_modal_loads(const std::vector
         traction({s.kn, s.kt}, u, s.n, f);
         e.end.add_loads(i - e.first_block, f, sums);
       }
-      loads[static_cast<std::size_t>(side)] = e.end.is_rigid() ? Eigen::VectorXd() : in_axes(axes_of_patch(side, ends[side]), sums, e.end.size());
+      loads[static_cast<std::size_t>(side)] =
+          e.end.is_rigid() ? Eigen::VectorXd() : in_axes(axes_of_patch(side, ends[side]), sums, e.end.size());
     }
   });
   return loads;
@@ -241,7 +247,7 @@ void PenaltyLinks::add_small_elastic_force(const std::vector<Secant>& secants, c
                                            const std::array<Eigen::VectorXd, 2>& amplitudes, double* force, double (*load)[6]) const {
   with_basis(basis_, [&](auto type) {
     for (int side = 0; side < 2; ++side) {
-      const Elastic& e = elastic_[static_cast<std::size_t>(side)];
+      const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
       if (e.end.is_rigid()) continue;
       const Eigen::VectorXd turned = turned_modes(axes_of_patch(side, ends[side]), amplitudes[static_cast<std::size_t>(side)]);
       double* to = load[side];

@@ -441,7 +441,8 @@ vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const
   vd q[3], delta[3], n[3];
   with_basis(basis_, [&](auto type) { find_separation(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
   if (is_elastic())
-    return masked(link_flags_[block].attached, b.area) * softened(b.side, law.secant(separation_of(delta, n), state(law, block))).energy(separation_of(delta, n));
+    return masked(link_flags_[block].attached, b.area) *
+           softened(b.side, law.secant(separation_of(delta, n), state(law, block))).energy(separation_of(delta, n));
   return masked(link_flags_[block].attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
 }
 
@@ -556,7 +557,7 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const BondEnd* ends, double d
   if (blocks_.empty()) return;
   const TractionStiffness& bound = p_.law->stiffness();
   double k_of[2];
-  for (int s = 0; s < 2; ++s) k_of[s] = is_elastic() ? elastic_[s].end.softened(p_.stiffest()) : p_.stiffest();
+  for (int s = 0; s < 2; ++s) k_of[s] = is_elastic() ? elastic_->side[s].end.softened(p_.stiffest()) : p_.stiffest();
   const double damper = 2.0 * std::sqrt(std::max(bound.kn, bound.kt)) / dt;  // counts as a spring, see added_mass.h
   FreeWeights free(grid);
   with_basis(basis_, [&](auto type) {
@@ -609,15 +610,19 @@ std::size_t PenaltyLinks::memory_usage() const {
 // Used in elastic_links.cpp.
 template void PenaltyLinks::find_separation(const LinkBlock&, const Grid&, const BondEnd&, const Weights<LinearHat>&, vd*, vd*, vd*) const;
 template void PenaltyLinks::find_velocity(const LinkBlock&, const Grid&, const BondEnd&, const Weights<LinearHat>&, const vd*, vd*) const;
-template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<LinearHat>&, const TractionSecant&, const vd*,
-                                   const vd*, vd*, vd*) const;
-template void PenaltyLinks::find_separation(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, vd*, vd*, vd*) const;
-template void PenaltyLinks::find_velocity(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, const vd*, vd*) const;
-template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, const TractionSecant&, const vd*,
-                                   const vd*, vd*, vd*) const;
-template void PenaltyLinks::find_separation(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, vd*, vd*, vd*) const;
-template void PenaltyLinks::find_velocity(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, const vd*, vd*) const;
-template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, const TractionSecant&, const vd*,
-                                   const vd*, vd*, vd*) const;
+template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<LinearHat>&, const TractionSecant&,
+                                   const vd*, const vd*, vd*, vd*) const;
+template void PenaltyLinks::find_separation(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, vd*, vd*,
+                                            vd*) const;
+template void PenaltyLinks::find_velocity(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, const vd*,
+                                          vd*) const;
+template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, const TractionSecant&,
+                                   const vd*, const vd*, vd*, vd*) const;
+template void PenaltyLinks::find_separation(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, vd*, vd*,
+                                            vd*) const;
+template void PenaltyLinks::find_velocity(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, const vd*,
+                                          vd*) const;
+template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, const TractionSecant&,
+                                   const vd*, const vd*, vd*, vd*) const;
 
 }  // namespace mpdem

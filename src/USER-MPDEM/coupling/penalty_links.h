@@ -31,6 +31,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "../mpm/grid.h"
@@ -142,19 +143,19 @@ class PenaltyLinks {
   // Elastic grains (elastic_end.h), in elastic_links.cpp. update_and_add_force() does all this for a bond that is whole on its rank.
   // Where ranks cut a bond they sum the loads of the modes first, and their stiffness where it changed on any of them. Modes of a
   // side are in the axes of its patch.
-  bool is_elastic() const { return !elastic_.empty(); }
-  int modal_size(int side) const { return elastic_[static_cast<std::size_t>(side)].end.size(); }
-  bool modal_stiffness_changed() const { return stiffness_changed_; }
-  bool some_let_go() const { return let_go_; }  // in this step
-  std::vector<double> modal_stiffness(int side) const;  // ElasticEnd::stiffness() of the links of this rank
+  bool is_elastic() const { return elastic_.has_value(); }
+  int modal_size(int side) const { return elastic_->side[static_cast<std::size_t>(side)].end.size(); }
+  bool modal_stiffness_changed() const { return elastic_->stiffness_changed; }
+  bool some_debonded() const { return elastic_->some_debonded; }  // in this step
+  std::vector<double> modal_stiffness(int side) const;            // ElasticEnd::stiffness() of the links of this rank
   Eigen::MatrixXd modal_response(int side, const std::vector<double>& of_all) const {
-    return elastic_[static_cast<std::size_t>(side)].end.response(of_all);
+    return elastic_->side[static_cast<std::size_t>(side)].end.response(of_all);
   }
-  void take_modal_stiffness(int side, const std::vector<double>& of_all, bool let_go);
+  void take_modal_stiffness(int side, const std::vector<double>& of_all, bool debonded);
   void find_modal_loads(const Grid& grid, const BondEnd* ends, double dt);
-  const Eigen::VectorXd& modal_loads(int side) const { return elastic_[static_cast<std::size_t>(side)].loads; }
+  const Eigen::VectorXd& modal_loads(int side) const { return elastic_->side[static_cast<std::size_t>(side)].loads; }
   void take_modal_loads(int side, const Eigen::VectorXd& of_all);
-  // Adds the forces for these loads. Returns the energy that the modes release with links that let go in this step.
+  // Adds the forces for these loads. Returns the energy that the modes release with links that debond in this step.
   double add_elastic_force(Grid& grid, BondEnd* ends);
   // Takes over the motion of the surfaces from the links before a new layout.
   void continue_from(const PenaltyLinks& before);
@@ -274,16 +275,10 @@ class PenaltyLinks {
   void damper(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, const TractionSecant& k, const vd* q,
               const vd* n, vd* v, vd* f) const;
 
-  // An elastic grain. loads: s, share of this rank. amplitudes: q. freed: share in s of links that let go in this step. before: s
-  // of the links that are left, for the separations of the step before.
-  struct Elastic {
-    ElasticEnd end;
-    std::size_t first_block = 0;
-    Eigen::MatrixXd response;  // M
-    Eigen::VectorXd loads, amplitudes, freed, before;
-  };
   void lay_out_elastic(const BondRecord& record);
-  TractionSecant softened(int side, const TractionSecant& k) const { return elastic_.empty() ? k : elastic_[side].end.softened(k); }
+  TractionSecant softened(int side, const TractionSecant& k) const {
+    return elastic_ ? elastic_->side[static_cast<std::size_t>(side)].end.softened(k) : k;
+  }
   Mat3<double> axes_of_patch(int side, const BondEnd& s) const;
   void add_whole_elastic_force(Grid& grid, BondEnd* ends, double dt, double& released);
   void add_freed(std::size_t block, std::uint8_t freed, const Grid& grid, const BondEnd& s);
@@ -298,15 +293,12 @@ class PenaltyLinks {
   SharedList<LinkBlock> blocks_;
   SharedList<int> columns_;
   SharedList<int> layers_;
-  std::vector<LinkFlags> link_flags_;  // one for each block
-  std::vector<vd> states_;             // states of the traction law, its fields for each block; equal to those of the store
-  std::vector<Positions> moves_;       // moves of the links of each block in this step, `kinematics updated` only
-  std::vector<Positions> created_;     // positions of the links of each block at creation; empty: where they act
-  std::vector<vd> dampers_;            // damping coefficient over sqrt(k), for each block; empty without damping
-  std::vector<Elastic> elastic_;       // of both sides; empty: both are rigid
-  bool stiffness_changed_ = false;     // links let go since M was found, or it is not known
-  bool let_go_ = false;                // links of the bond let go in this step, on any rank
-  double released_by_modes_ = 0.0;     // energy, in this step
+  std::vector<LinkFlags> link_flags_;   // one for each block
+  std::vector<vd> states_;              // states of the traction law, its fields for each block; equal to those of the store
+  std::vector<Positions> moves_;        // moves of the links of each block in this step, `kinematics updated` only
+  std::vector<Positions> created_;      // positions of the links of each block at creation; empty: where they act
+  std::vector<vd> dampers_;             // damping coefficient over sqrt(k), for each block; empty without damping
+  std::optional<ElasticEnds> elastic_;  // none: both grains are rigid
   // Centres of the grains at creation, and the rotations from their frames to the axes of the bond.
   double centre_[2][3] = {};
   Mat3<double> orientation_[2];

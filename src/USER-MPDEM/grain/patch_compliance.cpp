@@ -88,7 +88,8 @@ class Compliance {
     highest_ = static_cast<int>(std::ceil(kDegrees / width));
     rule_ = rule_between(modes.inner(), modes.outer(), 4 * modes.radials() + static_cast<int>(kDegrees) + 16);
     radial_.resize(modes.radials(), static_cast<Eigen::Index>(rule_.angle.size()));
-    for (std::size_t i = 0; i < rule_.angle.size(); ++i) modes.find_radials(std::cos(rule_.angle[i]), radial_.col(static_cast<Eigen::Index>(i)).data());
+    for (std::size_t i = 0; i < rule_.angle.size(); ++i)
+      modes.find_radials(std::cos(rule_.angle[i]), radial_.col(static_cast<Eigen::Index>(i)).data());
     for (const SurfaceModes::Scalar& s : modes.modes())
       for (int d = 0; d < 3; ++d) terms_.push_back(terms_of(modes.harmonics()[s.harmonic], d));
   }

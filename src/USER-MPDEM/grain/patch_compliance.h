@@ -29,9 +29,9 @@ class PatchCompliance {
   PatchCompliance(const SurfaceModes& modes, const GrainElasticity& grain, double radius);
 
   const SurfaceModes& modes() const { return modes_; }
-  double tail() const { return tail_; }                          // c, length over pressure
-  const Eigen::MatrixXd& factor() const { return factor_; }      // L with L L' = B - c 1
-  double scale_of_modes() const { return 1.0 / radius_; }        // of the values of the modes
+  double tail() const { return tail_; }                      // c, length over pressure
+  const Eigen::MatrixXd& factor() const { return factor_; }  // L with L L' = B - c 1
+  double scale_of_modes() const { return 1.0 / radius_; }    // of the values of the modes
 
   // The same object for equal patches of this process while one of them is in use.
   static std::shared_ptr<const PatchCompliance> of(double inner, double outer, int degree, int orders, const GrainElasticity& grain,

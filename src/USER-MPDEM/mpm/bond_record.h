@@ -33,13 +33,13 @@ struct BondRecord {
   double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};              // from unwrapped coordinates of LIGGGHTS to those of the bond
   double attached_area[2] = {0, 0};
   double grain_E[2] = {0, 0}, grain_nu[2] = {0, 0};  // elasticity of the grains; E = 0: rigid
-  double patch[2][2] = {{0, 0}, {0, 0}};             // least and largest angle of the attached surface from the line of centres; 0: not known
-  double box[3] = {0, 0, 0};            // period of the box, 0 where there is none; shifts are multiples of it
-  AxisRule axis_rule = AxisRule::none;  // none: no material frames yet
-  double axis[3] = {0, 0, 0};           // direction of its axis, in the box
-  bool in_motion = false;               // a step was taken; displacements are those of the nodes
-  bool condensed = false;               // displacements follow from those of the grains, see coupling/condensed_bond.h
-  double rest_time = 0.0;               // time for which its pieces have been at rest, see cement/step/condensing.h
+  double patch[2][2] = {{0, 0}, {0, 0}};  // least and largest angle of the attached surface from the line of centres; 0: not known
+  double box[3] = {0, 0, 0};              // period of the box, 0 where there is none; shifts are multiples of it
+  AxisRule axis_rule = AxisRule::none;    // none: no material frames yet
+  double axis[3] = {0, 0, 0};             // direction of its axis, in the box
+  bool in_motion = false;                 // a step was taken; displacements are those of the nodes
+  bool condensed = false;                 // displacements follow from those of the grains, see coupling/condensed_bond.h
+  double rest_time = 0.0;                 // time for which its pieces have been at rest, see cement/step/condensing.h
   double volume = 0;
   double spacing = 0;             // spacing of the lattice of points
   double lattice[3] = {0, 0, 0};  // a corner of the lattice, in reference coordinates

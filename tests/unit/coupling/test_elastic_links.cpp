@@ -12,7 +12,7 @@ using test::copy;
 using test::Scene;
 using test::Vector;
 
-constexpr double kSoft = 20.0;  // Young's modulus of grains whose give is of the order of that of the links
+constexpr double kSoft = 20.0;  // Young's modulus of grains whose compliance is of the order of that of the links
 
 Scene soft_scene(std::uint64_t seed, double E = kSoft) { return Scene(seed, test::penalty(true, 0.0), Basis::quadratic, 2, 0.15, E); }
 
@@ -120,7 +120,7 @@ TEST(ElasticLinks, SmallMotionsGiveTheForceOfTheStep) {
   }
 }
 
-// Work of the mean force over a step, change of energy, and what links that let go in it release.
+// Work of the mean force over a step, change of energy, and what links that debond in it release.
 TEST(ElasticLinks, DebondingReleasesWhatIsMissing) {
   Scene s = soft_scene(235);
   s.place_grains(0.02, 0.3);

@@ -44,10 +44,14 @@ TEST_P(Patch, ComplianceIsThatOfTheVerification) {
   const SurfaceModes m(c.inner, kOuter, 6, 2);
   const Eigen::MatrixXd B = compliance_of_modes(m, kNu);
   const Eigen::VectorXd z = sum_of(m, 0, {{0, false, 2, 1.0}}), z1 = sum_of(m, 1, {{0, false, 2, 1.0}});
-  const Eigen::VectorXd torsion = sum_of(m, 0, {{1, true, 0, -1.0}, {1, false, 1, 1.0}}), radial = sum_of(m, 0, {{1, false, 0, 1.0}, {1, true, 1, 1.0}});
-  const Eigen::VectorXd x = sum_of(m, 0, {{0, false, 0, 1.0}}), y = sum_of(m, 0, {{0, false, 1, 1.0}}), tilt = sum_of(m, 0, {{1, false, 2, 1.0}});
+  const Eigen::VectorXd torsion = sum_of(m, 0, {{1, true, 0, -1.0}, {1, false, 1, 1.0}}),
+                        radial = sum_of(m, 0, {{1, false, 0, 1.0}, {1, true, 1, 1.0}});
+  const Eigen::VectorXd x = sum_of(m, 0, {{0, false, 0, 1.0}}), y = sum_of(m, 0, {{0, false, 1, 1.0}}),
+                        tilt = sum_of(m, 0, {{1, false, 2, 1.0}});
   const Eigen::VectorXd second = sum_of(m, 0, {{2, false, 0, 1.0}, {2, true, 1, 1.0}});
-  const auto expect = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b, double value) { EXPECT_NEAR(a.dot(B * b), value, 1e-10 * c.xx); };
+  const auto expect = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b, double value) {
+    EXPECT_NEAR(a.dot(B * b), value, 1e-10 * c.xx);
+  };
   expect(z, z, c.zz);
   expect(z, z1, c.zz1);
   expect(z1, z1, c.z1z1);

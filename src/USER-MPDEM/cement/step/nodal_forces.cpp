@@ -13,9 +13,9 @@
 namespace mpdem {
 
 namespace {
-constexpr double kLetGo = 1e9;  // a number above that of the ranks
+constexpr double kDebonded = 1e9;                                                          // a number above that of the ranks
 constexpr int kMostStiffness = 3 * ElasticEnd::kMostModes * (ElasticEnd::kMostModes + 1);  // numbers of ElasticEnd::stiffness()
-}
+}  // namespace
 
 BondContext NodalForces::at_work(Bond& b) {
   return {b.points, b.grid, scene_.grains.ends_of(b), scene_.bonds().record(b), b.added.of_nodes(), scene_.now.dt, kick_};
@@ -117,14 +117,15 @@ void NodalForces::share_modal_loads() {
   std::vector<double> changed(ends.ends.size(), 0.0);
   int any = 0;
   for (Bond* b : waiting_)
-    if (b->links.modal_stiffness_changed()) changed[b->first_end_index] = b->links.some_let_go() ? kLetGo : 1.0, any = 1;
+    if (b->links.modal_stiffness_changed()) changed[b->first_end_index] = b->links.some_debonded() ? kDebonded : 1.0, any = 1;
   MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
   if (any) {
     ends.sum(changed.data(), 1);
     sum_modes(
-        kMostStiffness, [&](Bond& b, int side) { return changed[b.first_end_index] > 0.0 ? b.links.modal_stiffness(side) : std::vector<double>(); },
+        kMostStiffness,
+        [&](Bond& b, int side) { return changed[b.first_end_index] > 0.0 ? b.links.modal_stiffness(side) : std::vector<double>(); },
         [&](Bond& b, int side, const std::vector<double>& sums) {
-          b.links.take_modal_stiffness(side, sums, changed[b.first_end_index] >= kLetGo);
+          b.links.take_modal_stiffness(side, sums, changed[b.first_end_index] >= kDebonded);
         });
   }
   for (Bond* b : waiting_) b->links.find_modal_loads(b->grid, scene_.grains.ends_of(*b), dt);
@@ -158,7 +159,8 @@ void NodalForces::sum_modes(int most, Get get, Take take) {
     std::fill(piece.begin(), piece.end(), 0.0);
     const auto each = [&](auto f) {
       for (std::size_t n = 0; n < numbers.size(); ++n)
-        for (std::size_t i = static_cast<std::size_t>(first); i < std::min(numbers[n].size(), static_cast<std::size_t>(first + kPiece)); ++i)
+        for (std::size_t i = static_cast<std::size_t>(first); i < std::min(numbers[n].size(), static_cast<std::size_t>(first + kPiece));
+             ++i)
           f(piece[kPiece * (waiting_[n / 2]->first_end_index + n % 2) + i - first], numbers[n][i]);
     };
     each([](double& to, double of_rank) { to = of_rank; });

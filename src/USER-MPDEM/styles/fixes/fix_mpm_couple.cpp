@@ -182,7 +182,8 @@ std::vector<mpdem::ElasticPair> FixMpmCouple::elastic_grains() const {
   for (std::size_t n = 0; n < types.size(); ++n) {
     const mpdem::BondRecord& b = table[n / 2];
     // a grain that left keeps what it had
-    found[n / 2][n % 2] = types[n] > 0 ? of_types[static_cast<std::size_t>(types[n])] : mpdem::GrainElasticity{b.grain_E[n % 2], b.grain_nu[n % 2]};
+    found[n / 2][n % 2] =
+        types[n] > 0 ? of_types[static_cast<std::size_t>(types[n])] : mpdem::GrainElasticity{b.grain_E[n % 2], b.grain_nu[n % 2]};
   }
   return found;
 }
