@@ -40,9 +40,12 @@ class Patch(NamedTuple):
     nu: float
 
 
-def ring_between(R, gap, inner, outer, ns, nt, grading):
-    """Flat ring from the surface of the lower sphere, R[0], to that of the upper one; z = 0 is the middle of the gap."""
-    r = graded_nodes(inner, outer, ns, grading, grade_lo=inner > 0)[:, None]
+def ring_between(R, gap, inner, outer, ns, nt, grading, edge=None):
+    """Flat ring from the surface of the lower sphere, R[0], to that of the upper one; z = 0 is the middle of the gap; edge: a radius with nodes."""
+    r = graded_nodes(inner, outer, ns, grading, grade_lo=inner > 0)
+    if edge is not None:
+        r = np.concatenate([graded_nodes(inner, edge, ns, grading, grade_lo=True)[:-1], graded_nodes(edge, outer, ns, grading, grade_lo=True)])
+    r = r[:, None]
     low, high = (gap / 2 + r**2 / (S + np.sqrt(S**2 - r**2)) for S in R)
     eta = graded_nodes(0, 1, nt, grading, grade_lo=True)
     return Body(np.repeat(r, eta.size, axis=1), -low * (1 - eta) + high * eta, 0)
@@ -140,10 +143,14 @@ def rim_tractions(load, patch, r, k, traction, keep, quadrature):
 
 
 def solve_case(case, load, ns, nt, grading=2.5):
-    """case: shape, radius of both spheres, gap, inner, outer or neck and contact, axis (z or radial), elastic, grain: E, nu of both."""
+    """case: shape, radius of both spheres, gap, inner, outer or neck and contact, axis (z or radial), elastic, grain: E, nu of both.
+
+    attached_from: a flat ring is attached to the second sphere from this radius on.
+    """
     R, gap, inner = case["radius"], case["gap"], case["inner"]
     elastic = TransverselyIsotropic(*case["elastic"])
-    mirrored = R[0] == R[1] and tuple(case["grain"][0]) == tuple(case["grain"][1])
+    edge = case.get("attached_from")
+    mirrored = edge is None and R[0] == R[1] and tuple(case["grain"][0]) == tuple(case["grain"][1])
     if not mirrored and (case["shape"] != "flat" or case["axis"] != "z"):
         raise ValueError("the meniscus and the radial axis are for equal spheres")
     axis = axis_radial(R[0], gap) if case["axis"] == "radial" else axis_uniform(0.0, 1.0)
@@ -152,24 +159,27 @@ def solve_case(case, load, ns, nt, grading=2.5):
     elif mirrored:
         body = flat_body(R[0], gap, inner, case["outer"], ns, nt, grading)
     else:
-        body = ring_between(R, gap, inner, case["outer"], ns, 2 * nt, grading)
+        body = ring_between(R, gap, inner, case["outer"], ns, 2 * nt, grading, edge)
     index = np.arange(body.r.size).reshape(body.r.shape)
-    above = Patch(index[:, -1], R[1], gap / 2 + R[1], -1, *case["grain"][1])
+    attached = slice(0 if edge is None else 2 * ns, None)
+    above = Patch(index[attached, -1], R[1], gap / 2 + R[1], -1, *case["grain"][1])
     patches = [above] if mirrored else [Patch(index[:, 0], R[0], -gap / 2 - R[0], 1, *case["grain"][0]), above]
     return solve(load, body, patches, elastic, axis, mirrored)
 
 
-def converged(case, load, levels=2, ns=8, nt=3):
+def converged(case, load, levels=3, ns=8, nt=3):
     """Stiffness, its change from the mesh before, and tractions at the rims, by the finest mesh."""
     found = [solve_case(case, load, ns << i, nt << i) for i in range(levels)]
     return found[-1].stiffness, abs(found[-1].stiffness / found[-2].stiffness - 1), found[-1].rims
 
 
-def write_references(file):
+def write_references(file, resume):
     with open(file) as f:
         table = json.load(f)
     for name, case in table["cases"].items():
         for load in LOADS:
+            if load in case["stiffness"] and resume:
+                continue
             value, change, rims = converged(case, load)
             rigid, _, _ = converged({**case, "grain": [[math.inf, 0.0]] * 2}, load)
             case["stiffness"][load] = {"rigid": float(f"{rigid:.6g}"), "value": float(f"{value:.6g}"), "relative_change": float(f"{change:.1e}")}
@@ -213,14 +223,15 @@ def main():
     parser.add_argument("--cement", type=float, nargs="+", default=(60e9, 0.25), help="E nu, or the five constants of fix mpm")
     parser.add_argument("--grain", type=float, nargs="+", default=(70e9, 0.22), help="E nu of both, or of each")
     parser.add_argument("--axis", choices=("z", "radial"), default="z", help="symmetry axis")
-    parser.add_argument("--levels", type=int, default=2, help="meshes, each twice as fine")
+    parser.add_argument("--levels", type=int, default=3, help="meshes, each twice as fine")
     parser.add_argument("--references", metavar="FILE", help="solve the cases of this file and write their stiffness into it")
+    parser.add_argument("--resume", action="store_true", help="keep the values that the file has")
     parser.add_argument("--self-check", action="store_true")
     args = parser.parse_args()
     if args.self_check:
         return 0 if self_check() else 1
     if args.references:
-        return write_references(args.references)
+        return write_references(args.references, args.resume)
     if not args.shape:
         parser.error("give a shape, --references or --self-check")
     case = {**vars(args), "elastic": isotropic(*args.cement) if len(args.cement) == 2 else args.cement}

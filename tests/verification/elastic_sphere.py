@@ -20,7 +20,7 @@ import sys
 import numpy as np
 from axisymmetric_fe import TransverselyIsotropic, axis_uniform, graded_nodes
 from bond_fe import Body, element_matrices, element_nodes
-from scipy.sparse import bmat, coo_matrix
+from scipy.sparse import bmat, coo_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
 
@@ -74,15 +74,16 @@ def compliance(m, theta, weight, fields, R, E, nu, highest):
     mu = E / (2 * (1 + nu))
     C = np.zeros((len(fields), len(fields)))
     pending = []
+    normal, meridian, across = (csr_matrix(fields[:, k]) for k in range(3))  # a shape function is zero at most points
     for l, P, dP in legendre(m, theta, highest):
-        radial = fields[:, 0] @ (w * P)
+        radial = normal @ (w * P)
         A = spheroidal(l, nu)
         if l == 0:
             pending.append((A[0, 0], radial, radial))
             continue
         degree = l * (l + 1)
-        gradient = (fields[:, 1] @ (w * dP) - m * fields[:, 2] @ (w * P / s)) / degree
-        curl = (fields[:, 2] @ (w * dP) - m * fields[:, 1] @ (w * P / s)) / degree
+        gradient = (meridian @ (w * dP) - m * across @ (w * P / s)) / degree
+        curl = (across @ (w * dP) - m * meridian @ (w * P / s)) / degree
         pending += [(1.0, radial, A[0, 0] * radial + A[0, 1] * gradient), (degree, gradient, A[1, 0] * radial + A[1, 1] * gradient)]
         pending.append((degree * toroidal(l), curl, curl))
         if len(pending) > 600 or l == highest:
