@@ -22,7 +22,7 @@ def test_references_themselves(tool):
 def test_cases_are_of_all_kinds():
     """Rings, menisci, cylinders without a hole, gaps, unequal grains, two materials of grains, cement of both symmetries."""
     assert len(CASES) >= 16 and all(set(c["stiffness"]) == {"tension", "torsion", "shear", "bending"} for c in CASES.values())
-    assert all(s["relative_change"] < 2e-4 for c in CASES.values() for s in c["stiffness"].values())
+    assert all(s["relative_change"] < 1e-3 for c in CASES.values() for s in c["stiffness"].values())
     assert any(c["shape"] == "meniscus" for c in CASES.values()) and any(c["gap"] > 0 for c in CASES.values())
     assert any(c["inner"] == 0 for c in CASES.values()) and any(c["radius"][0] != c["radius"][1] for c in CASES.values())
     assert len({tuple(g) for c in CASES.values() for g in c["grain"]}) > 1 and len({c["elastic"][0] / c["elastic"][1] for c in CASES.values()}) > 1

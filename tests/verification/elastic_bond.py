@@ -11,7 +11,7 @@ Shapes: meniscus between equal spheres, whose half is solved, and flat (ring or 
 
     elastic_bond.py --self-check
     elastic_bond.py flat --inner 1e-3 --outer 2e-3 --cement 60e9 0.25 --grain 70e9 0.22
-    elastic_bond.py --references tests/verification/elastic_bonds.json   # writes those of the tests
+    elastic_bond.py --references tests/verification/elastic_bonds.json   # writes those of the tests; takes minutes
 """
 import argparse
 import json

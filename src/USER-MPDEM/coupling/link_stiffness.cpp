@@ -1,14 +1,38 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Forces of the links due to small motions of nodes and grains.
+// Stiffness of the links: its row sums for the added mass, and forces due to small motions of nodes and grains.
 #include <algorithm>
 
 #include "../mpm/lane_by_lane.h"
 #include "../mpm/stiffness_matrix.h"
+#include "free_weights.h"
 #include "penalty_links.h"
 
 namespace mpdem {
+
+void PenaltyLinks::add_stiffness(const Grid& grid, const BondEnd* ends, double dt, double* penalty) const {
+  if (blocks_.empty()) return;
+  const TractionStiffness& bound = p_.law->stiffness();
+  double k_of[2];
+  for (int s = 0; s < 2; ++s) k_of[s] = is_elastic() ? elastic_->side[s].end.softened(p_.stiffest()) : p_.stiffest();
+  const double damper = 2.0 * std::sqrt(std::max(bound.kn, bound.kt)) / dt;  // counts as a spring, see added_mass.h
+  FreeWeights free(grid);
+  with_basis(basis_, [&](auto type) {
+    using Type = decltype(type);
+    for (const LinkBlock& b : blocks_) {
+      const std::uint8_t counting = link_flags_[number_of(b)].counts_for_added_mass;
+      if (!counting) continue;
+      const double k = k_of[b.side];
+      const vd inertia = (1.0 + ends[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[number_of(b)]);
+      const Weights<Type> w(b.X, b.base, inverse_h_);
+      for (int l = 0; l < kLanes; ++l) {
+        if (!(counting >> l & 1)) continue;
+        free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l, inertia[l], penalty + b.side);
+      }
+    }
+  });
+}
 
 void PenaltyLinks::add_small_force(const std::vector<Secant>& secants, const double* x, const double (*motion)[6], double* force,
                                    double (*load)[6]) const {

@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "../mpm/lane_by_lane.h"
-#include "free_weights.h"
 #include "rigid_motion.h"
 #include "traction_laws.h"
 
@@ -551,29 +550,6 @@ void PenaltyLinks::remove_dropped(const PointStore& points, const BondRecord& re
       if (b.link[l] >= 0) std::copy_n(columns_of[b.link[l]], columns_of_cell_, to);
   left.continue_from(*this);
   *this = std::move(left);
-}
-
-void PenaltyLinks::add_stiffness(const Grid& grid, const BondEnd* ends, double dt, double* penalty) const {
-  if (blocks_.empty()) return;
-  const TractionStiffness& bound = p_.law->stiffness();
-  double k_of[2];
-  for (int s = 0; s < 2; ++s) k_of[s] = is_elastic() ? elastic_->side[s].end.softened(p_.stiffest()) : p_.stiffest();
-  const double damper = 2.0 * std::sqrt(std::max(bound.kn, bound.kt)) / dt;  // counts as a spring, see added_mass.h
-  FreeWeights free(grid);
-  with_basis(basis_, [&](auto type) {
-    using Type = decltype(type);
-    for (const LinkBlock& b : blocks_) {
-      const std::uint8_t counting = link_flags_[number_of(b)].counts_for_added_mass;
-      if (!counting) continue;
-      const double k = k_of[b.side];
-      const vd inertia = (1.0 + ends[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[number_of(b)]);
-      const Weights<Type> w(b.X, b.base, inverse_h_);
-      for (int l = 0; l < kLanes; ++l) {
-        if (!(counting >> l & 1)) continue;
-        free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l, inertia[l], penalty + b.side);
-      }
-    }
-  });
 }
 
 std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const BondEnd* ends) const {
