@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# Thin front of CMake: make demo, make test, make fuzz, make stress, make check-deep, make mutants. See README.md.
+# Thin front of CMake: make demo, make test, make docs, make fuzz, make stress, make check-deep, make mutants. See README.md.
 BUILD ?= build
 JOBS  ?= $(shell nproc)
 RANKS ?= 2
@@ -12,7 +12,7 @@ export OMPI_ALLOW_RUN_AS_ROOT = 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM = 1
 endif
 
-.PHONY: all demo test fuzz stress long tables check-deep mutants bench liggghts-from-source clean
+.PHONY: all demo test docs docs-pdf fuzz stress long tables check-deep mutants bench liggghts-from-source clean
 all: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)
 	cmake --build $(BUILD) --parallel $(JOBS)
@@ -42,6 +42,18 @@ test: all
 	tools/setup.sh tests
 	tools/fetch_liggghts.sh $(BUILD) || echo "Without the source of LIGGGHTS the test of its tutorials is skipped"
 	cd $(BUILD) && ctest --output-on-failure --parallel $(JOBS)
+
+# The manual of all pages: HTML whose search needs no network, and PDF.
+docs:
+	tools/setup.sh docs
+	/usr/bin/sphinx-build -W --keep-going -q -b html -c doc/manual . $(BUILD)/manual
+	@echo "The manual: $(BUILD)/manual/index.html"
+
+docs-pdf:
+	tools/setup.sh docs pdf
+	/usr/bin/sphinx-build -W --keep-going -q -b latex -c doc/manual . $(BUILD)/manual-pdf
+	$(MAKE) -C $(BUILD)/manual-pdf
+	@echo "The manual: $(BUILD)/manual-pdf/user-mpdem.pdf"
 
 # Scripts, point files and restart files with changed words and bytes, under AddressSanitizer and
 # UndefinedBehaviorSanitizer; about half an hour. Findings are scripts in $(BUILD)/fuzz. MINUTES=20: no round of

@@ -92,6 +92,13 @@ def arguments():
         "--ucs", type=number(0, above, "unconfined compressive strength in Pa"), required=True, metavar="PA", help="unconfined compressive strength, Pa"
     )
     p.add_argument("--calcite", type=ratio, required=True, metavar="C", help="calcite content: mass of calcite over mass of all grains; 0.03 for 3 %%")
+    p.add_argument(
+        "--inactive",
+        type=number(0, 1, "share of the calcite that joins no grains"),
+        default=0.0,
+        metavar="S",
+        help="share of the calcite that joins no grains; it becomes coats (0)",
+    )
     p.add_argument("--diameter", type=grain, required=True, metavar="M", help="mean diameter of the grains, m")
     pores = p.add_mutually_exclusive_group(required=True)
     pores.add_argument("--porosity", type=number(0, 1, "volume of pores over all volume"), metavar="N", help="of the packing without cement")
@@ -238,7 +245,7 @@ class Parameters:
         self.porosity = args.porosity if args.porosity is not None else args.void_ratio / (1.0 + args.void_ratio)
         self.cement = Cement(args.isotropic, args.vti)
         d = args.diameter
-        self.content = args.calcite / args.coordination
+        self.content = args.calcite * (1.0 - args.inactive) / args.coordination
         self.spacing = args.spacing or 0.05 * d
         self.cell = self.length = 2.0 * self.spacing
         mass = args.grain_density * math.pi / 6.0 * d**3
@@ -304,7 +311,7 @@ class Parameters:
             "doc/howto_parameters.md has a whole script.",
             "",
             "exact",
-            f"  content of a bond            {self.content:.5g}   calcite content over the mean number of bonds on a grain, {a.coordination:g}, of equal grains",
+            f"  content of a bond            {self.content:.5g}   {'active ' if a.inactive else ''}calcite content over the mean number of bonds on a grain, {a.coordination:g}, of equal grains",
             f"  radii of a bond              {b.inner:.4g} to {b.outer:.4g} m, thickness {b.thickness(b.inner):.3g} to {b.thickness(b.outer):.3g} m, where equal grains touch",
             f"  section, attached area       {b.section:.4g}, {b.attached:.4g} m2",
             f"  tensile strength             {c.strength(self.B0, c.Ez):.5g} Pa along the axis, {c.strength(self.B0, c.Ep):.5g} Pa in the plane: fix mpm prints both",
@@ -330,6 +337,7 @@ class Parameters:
         lines = [f"# {line}".rstrip() for line in head] + [""]
         for name, value, comment in (
             ("content", f"{self.content:.6g}", "mass of the cement of a bond over mass of its two grains"),
+            *((("inactive", f"{a.calcite * a.inactive:.6g}", "calcite that coats the grains, over their mass"),) if a.inactive else ()),
             ("spacing", f"{self.spacing:.6g}", "of the material points, m; all of a bond is film" if self.film else "of the material points, m"),
             ("cell", f"{self.cell:.6g}", "of the background grid, m"),
             ("gap", f"{0.005 * a.diameter:.6g}", "between grains that are bonded, m, at most"),
@@ -346,6 +354,7 @@ class Parameters:
             "velocity     grains set 0 0 0",
             "set          group grains omegax 0 omegay 0 omegaz 0",
             f"create_cement calcite contacts grains gap ${{gap}} shape flat content ${{content}} spacing ${{spacing}} density {a.cement_density:g} overlap skip",
+            *((f"create_cement calcite coat grains calcite ${{inactive}} density {a.cement_density:g} walls bare",) if a.inactive else ()),
             f"fix          cem calcite mpm cell ${{cell}} elastic {c.words} axis radial damage tensor B0 ${{B0}} zeta ${{zeta}} &",
             f"             {self.regularization()}quasistatic 1 0.05 condense yes timestep auto ${{step}}",
             "fix          bond grains mpm/couple cem",

@@ -1,13 +1,22 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-2.0-or-later
-# Installs what building and plotting need from Debian's archive, if anything is
-# missing; with the word `tests` what the tests need besides, with `deep` what `make check-deep` needs. Without root it prints the one line to run and stops.
+# Installs what building and plotting need from Debian's archive, if anything is missing, and what the words ask for:
+# `docs` for the manual, `pdf` for its PDF, `tests` for the tests, `deep` for `make check-deep`. Without root it prints the
+# one line to run and stops.
 set -eu
 packages="g++ make cmake liggghts libliggghts-dev libeigen3-dev libopenmpi-dev openmpi-bin openssh-client
           libgtest-dev libbenchmark-dev python3-numpy python3-scipy python3-matplotlib python3-pil python3-pytest
           python3-vtk9 patch xz-utils"
-[ "${1:-}" = tests ] && packages="$packages git clang-format black flake8 mypy"
-[ "${1:-}" = deep ] && packages="$packages clang clang-tidy"
+docs="python3-sphinx python3-myst-parser furo"
+for word in "$@"; do
+  case "$word" in
+    docs) packages="$packages $docs" ;;
+    pdf) packages="$packages latexmk texlive-xetex texlive-latex-extra fonts-freefont-otf librsvg2-bin" ;;
+    tests) packages="$packages $docs git clang-format black flake8 mypy" ;;
+    deep) packages="$packages clang clang-tidy" ;;
+    *) echo "$0: '$word' is none of: docs, pdf, tests, deep" >&2; exit 1 ;;
+  esac
+done
 missing=""
 for p in $packages; do
   status=$(dpkg-query -W -f='${Status}' "$p" 2>/dev/null || true)

@@ -44,6 +44,7 @@ def test_keywords_of_create_cement(tmp_path):
     known = error_of(created("shape flat outer 2e-3 spacing 1e-4 nonsense 1"), tmp_path)
     shapes, command = tables("create_cement.md", "Syntax")
     page = {row[1].rstrip(" *") for row in shapes} | {row[0] for row in command} | {"shape", "file"}
+    page |= {row[0].split()[0] for row in tables("calcite_content.md", "Keywords")[0]}
     listed = re.search(r"known here: ([a-z_, ]+[a-z])", known)[1].split(", ")
     assert sorted(page) == sorted(listed)
 

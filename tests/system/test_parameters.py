@@ -172,9 +172,22 @@ def test_content_of_a_packing(tmp_path, figures):
         figures.below(f"{name}: calcite content", abs(reported / expected - 1), 1e-5)
 
 
+def test_inactive_calcite_coats(tmp_path, figures):
+    """A share of the calcite becomes coats; the bonds have the rest."""
+    d = float(SAND["diameter"])
+    text, _ = lines(coordination="3", inactive="0.4")
+    made = "".join(line + "\n" for line in text.splitlines() if line.startswith(("create_cement", "variable")))
+    corner = [(0, 0, 0), (d, 0, 0), (d / 2, d * math.sqrt(3) / 2, 0), (d / 2, d * math.sqrt(3) / 6, d * math.sqrt(2 / 3))]
+    output = run(grains(corner, [d] * 4) + made, tmp_path).output
+    for name, pattern, share in (("bonds", r"^ *in all .*, content .*\) (\S+)$", 0.6), ("coats", r"^Coats .*, content .*\) (\S+);", 0.4)):
+        reported = float(re.search(pattern, output, re.M)[1])
+        figures.below(f"inactive calcite: content of {name}", abs(reported / (share * float(SAND["calcite"])) - 1), 1e-5)
+
+
 @pytest.mark.parametrize(
     "words, message",
     [
+        ({"inactive": "1.5"}, "--inactive: 1.5: share of the calcite"),
         ({"calcite": "3"}, "--calcite: 3: .*for 3 % give 0.03"),
         ({"calcite": "-0.03"}, "--calcite: -0.03: .*above 0"),
         ({"calcite": "0"}, "--calcite: 0: .*above 0"),

@@ -34,11 +34,12 @@ BOND = {
     "thickness": 49,
     "points": 50,
     "pattern": 51,
-    "wants points": 52,
-    "home": 53,
-    "left": 54,
+    "material": 52,
+    "wants points": 53,
+    "home": 54,
+    "left": 55,
 }
-BOND_NUMBERS = 56
+BOND_NUMBERS = 57
 FIX = {
     "version": 0,
     "cell": 1,
@@ -246,7 +247,7 @@ def test_unchanged(tmp_path, files):
         ("point", "layer", 1e9, "layer"),
         ("point", "film", 1.0, "it is film, and has no link to either grain"),
         ("point", "film", 0.5, "'is film'"),
-        ("point", "moving", 1.0, "ends before its number of links"),
+        ("point", "moving", 1.0, "ends before its number of contact points"),
         ("point", "links", 0.0, "of a contact point"),
         ("point", "attached", 2.0, "'is attached' of a link is 2"),
         ("point", "place", 1e9, "position"),

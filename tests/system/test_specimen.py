@@ -3,6 +3,8 @@
 those that doc/howto_pictures.md shows."""
 import csv
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -208,6 +210,27 @@ def test_goes_on(ranks, words, cemented, tmp_path, figures):
             abs(second[column] - there)[within].max() / abs(whole[column]).max(),
             3e-2,
         )
+
+
+def test_half_of_the_calcite_coats(poured, tmp_path, figures):
+    """Contents scatter and half of the calcite coats the beads: bonds and coats have what was asked for, beads that rest stay at rest, and a
+    picture shows the contents."""
+    output = go("in.cement", tmp_path, poured=poured, calcite=0.02, coating=0.5, scatter=0.5, draw=3, spacing=2.5e-4).output
+    for pattern in ("contact", "coating"):
+        reached = float(re.search(rf"^    {pattern}: asked 0.01, reached (\S+), share", output, re.M)[1])
+        figures.below(f"specimen, half of the calcite as coats: {pattern} off what was asked", abs(reached / 0.01 - 1), 1e-4)
+    load(tmp_path, tmp_path / "load", poured=poured, strain=2e-5, pictures=25)
+    curve = rows(tmp_path / "load")
+    plain = go("in.cement", tmp_path / "plain", poured=poured, calcite=0.01, spacing=2.5e-4) and tmp_path / "plain"
+    load(plain, plain / "load", poured=poured, strain=2e-5)
+    ratio = curve["kinetic_beads"][0] / rows(plain / "load")["kinetic_beads"][0]
+    figures.below("specimen, half of the calcite as coats: kinetic energy of the beads at the start over that without coats", ratio, 1.5)
+    step = sorted((tmp_path / "load").glob("beads_at.*.txt"))[0].name.split(".")[1]
+    words = [sys.executable, FOLDER.parents[1] / "tools" / "content_picture.py", f"beads_at.{step}.txt", f"cement_at.{step}.txt", "contents.png"]
+    told = subprocess.run(words, cwd=tmp_path / "load", capture_output=True, text=True, check=True).stdout
+    bonds = re.search(r"^(\d+) bonds, content (\S+) to (\S+) %", told)
+    assert int(bonds[1]) == int(re.search(r"Cement at (\d+) contacts", output)[1]) and float(bonds[3]) > 3 * float(bonds[2])
+    assert (tmp_path / "load" / "contents.png").stat().st_size > 20000
 
 
 def test_other_box(tmp_path):

@@ -152,8 +152,11 @@ def strain_rows(load, r, N, N_r, N_z):
     return tuple(B[..., use].reshape(r.size, B.shape[1], -1) for B in (cosine, sine)), len(use)
 
 
-def element_matrices(load, body, elastic, axis, density=0.0):
-    """Stiffness and mass of each element, and the number of unknowns of a node."""
+def element_matrices(load, body, elastic, axis, density=0.0, other=None):
+    """Stiffness and mass of each element, and the number of unknowns of a node.
+
+    other: a second material and a function of r, z that tells where it is, at the points of integration.
+    """
     r_all, z_all = body.r.ravel(), body.z.ravel()
     elements = element_nodes(body.r.shape)
     C = elastic.meridional_stiffness()
@@ -178,7 +181,13 @@ def element_matrices(load, body, elastic, axis, density=0.0):
         )
         B = to_material.transpose(2, 0, 1) @ B
         along = np.array([[a_r, a_z], [a_z, -a_r]]).transpose(2, 0, 1) @ shear  # shear along and across the axis
-        K = B.transpose(0, 2, 1) @ (C @ B) + along.transpose(0, 2, 1) @ (np.diag([elastic.Gzp, Gp]) @ along)
+        moduli, shear_moduli = C, np.diag([elastic.Gzp, Gp])
+        if other:
+            there = other[1](r, z)[:, None, None]
+            second = other[0]
+            moduli = np.where(there, second.meridional_stiffness(), C)
+            shear_moduli = np.where(there, np.diag([second.Gzp, second.Ep / (2 * (1 + second.nu_p))]), shear_moduli)
+        K = B.transpose(0, 2, 1) @ (moduli @ B) + along.transpose(0, 2, 1) @ (shear_moduli @ along)
         volume = around * r * det * wa * wb
         Ke = Ke + volume[:, None, None] * K
         if density:
@@ -189,11 +198,11 @@ def element_matrices(load, body, elastic, axis, density=0.0):
     return Ke, Me, unknowns
 
 
-def stiffness(load, body, elastic, axis):
-    """Force or moment per relative motion of the spheres: N/m for tension and shear, else N m/rad."""
+def stiffness(load, body, elastic, axis, other=None):
+    """Force or moment per relative motion of the spheres: N/m for tension and shear, else N m/rad. other: see element_matrices()."""
     r_all, z_all = body.r.ravel(), body.z.ravel()
     elements = element_nodes(body.r.shape)
-    Ke, _, unknowns = element_matrices(load, body, elastic, axis)
+    Ke, _, unknowns = element_matrices(load, body, elastic, axis, other=other)
     index = np.arange(r_all.size).reshape(body.r.shape)
     grain, plane, centre = index[:, -1], index[: body.middle + 1, 0], np.flatnonzero(r_all == 0)
     r, z = r_all[grain], z_all[grain]

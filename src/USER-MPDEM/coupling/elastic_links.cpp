@@ -69,12 +69,17 @@ Mat3<double> PenaltyLinks::axes_of_patch(int side, const BondEnd& s) const {
   return product(s.R, product(transpose(orientation_[side]), elastic_->side[static_cast<std::size_t>(side)].end.axes()));
 }
 
+TractionSecant PenaltyLinks::springs(const LinkBlock& b) const {
+  const TractionStiffness& k = p_.law->of_material(b.material).stiffness();
+  return softened(b.side, {splat(k.kn), splat(k.kt)});
+}
+
 std::vector<double> PenaltyLinks::modal_stiffness(int side) const {
   const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
-  const TractionSecant k = e.end.softened(TractionSecant{splat(p_.law->stiffness().kn), splat(p_.law->stiffness().kt)});
   std::vector<TractionSecant> of_blocks;
   for (std::size_t i = e.first_block; i < blocks_.size() && blocks_[i].side == side; ++i) {
     const vd area = masked(link_flags_[i].attached, blocks_[i].area);
+    const TractionSecant k = springs(blocks_[i]);
     of_blocks.push_back({area * k.kn, area * k.kt});
   }
   return e.end.stiffness(of_blocks);
@@ -93,7 +98,6 @@ void PenaltyLinks::find_modal_loads(const Grid& grid, const BondEnd* ends, doubl
       ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
       if (e.end.is_rigid()) continue;
       const BondEnd& s = ends[side];
-      const TractionSecant k = e.end.softened(TractionSecant{splat(p_.law->stiffness().kn), splat(p_.law->stiffness().kt)});
       Sums sums, sums_before;
       std::fill(sums, sums + e.end.size(), vd{});
       std::fill(sums_before, sums_before + e.end.size(), vd{});
@@ -102,6 +106,7 @@ void PenaltyLinks::find_modal_loads(const Grid& grid, const BondEnd* ends, doubl
         if (!link_flags_[i].attached) continue;
         const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
         const vd area = masked(link_flags_[i].attached, b.area);
+        const TractionSecant k = springs(b);
         vd q[3], delta[3], n[3], f[3];
         find_separation(b, grid, s, w, q, delta, n);
         traction(k, delta, n, f);
@@ -137,7 +142,6 @@ double PenaltyLinks::add_elastic_force(Grid& grid, BondEnd* ends) {
     for (int side = 0; side < 2; ++side) {
       const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
       BondEnd& s = ends[side];
-      const TractionSecant k = e.end.softened(TractionSecant{splat(p_.law->stiffness().kn), splat(p_.law->stiffness().kt)});
       const Eigen::VectorXd amplitudes = e.end.is_rigid() ? Eigen::VectorXd() : turned_modes(axes_of_patch(side, s), e.amplitudes);
       for (std::size_t i = e.first_block; i < blocks_.size() && blocks_[i].side == side; ++i) {
         const LinkBlock& b = blocks_[i];
@@ -145,6 +149,7 @@ double PenaltyLinks::add_elastic_force(Grid& grid, BondEnd* ends) {
         if (!attached) continue;
         const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
         const vd area = masked(attached, b.area);
+        const TractionSecant k = springs(b);
         vd q[3], delta[3], n[3], u[3] = {}, f[3];
         find_separation(b, grid, s, w, q, delta, n);
         if (!e.end.is_rigid()) e.end.displacement(i - e.first_block, amplitudes.data(), u);
@@ -186,7 +191,7 @@ void PenaltyLinks::add_freed(std::size_t i, std::uint8_t freed, const Grid& grid
   elastic_->stiffness_changed = true;
   if (e.end.is_rigid() || e.amplitudes.size() == 0) return;
   elastic_->some_debonded = true;
-  const TractionSecant k = e.end.softened(TractionSecant{splat(p_.law->stiffness().kn), splat(p_.law->stiffness().kt)});
+  const TractionSecant k = springs(b);
   vd q[3], delta[3], n[3], f[3];
   with_basis(basis_, [&](auto type) { find_separation(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
   traction(k, delta, n, f);

@@ -115,6 +115,7 @@ class Film {
     vd N[3];       // zero in empty lanes
     vd inverse_t;
     vd normal[2][3], area[2];  // of the faces: outward normals of the grains at the creation, areas
+    int link[2][kLanes];       // indices in the links of the store, -1 where there is none
     std::uint8_t cut = 0;      // lanes in which a face debonded
   };
   struct Faces {
@@ -132,15 +133,36 @@ class Film {
   std::uint8_t carrying(std::size_t b) const {
     return static_cast<std::uint8_t>(points.meta[b].occupied & ~points.meta[b].failed & ~columns_[b].cut);
   }
+  // Opens the faces, for all columns that carry.
+  void open_faces(const Law& law, const TractionLaw& faces, const Rotations& turns, const BondEnd* ends, AdvanceResult& result);
   template <class L, class T>
-  void open_faces(const L& law, const T& traction, const Rotations& turns, const BondEnd* ends, AdvanceResult& result);
+  void open_faces(std::size_t b, const L& law, const T& traction, const Rotations& turns, const BondEnd* ends, AdvanceResult& result);
+  // What faces of a block do in a step: energy that their damage dissipates, lanes in which it grew, lanes that debonded.
+  struct Softening {
+    vd spent{};
+    vmask grown{};
+    std::uint8_t gone = 0;
+  };
+  template <class L, class T>
+  Softening balance_faces(std::size_t b, const L& law, const T& traction, vd* f);
+  template <class L, class T>
+  vd released_by_faces(std::size_t b, const L& law, const T& traction, const Rotations& turns, const BondEnd* ends, const Faces& at_start,
+                       const Mat3<vd>& F_unopened, const Softening& now) const;
   template <class L>
-  void force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* ends, vd* f) const;
+  Mat3<vd> force_on_face(const L& law, std::size_t b, const Rotations& turns, const BondEnd* ends, vd* f) const;
+  template <class L>
+  void force_of_column(const L& law, std::size_t b, const Rotations& turns, const Mat3<vd>& F, const Frame& q, const Sym3<vd>& strain,
+                       vd* f) const;
   template <class T>
-  vd energy_of_faces(const T& traction, std::size_t b) const;
+  static vd energy_of(const T& traction, const Column& c, const Faces& faces);
+  double energy_of_faces_at(const std::vector<int>& slots, const TractionLaw& faces) const;
   void debond(int slot, bool by_face);  // by_face: a face of the column debonded; else its point failed
   void write_faces(int b);              // writes the faces of block b to the links of the store
   static int grain_behind_of(const Column& c, std::uint8_t live);
+  // volume_that_carries() times the drawn factor of the moduli.
+  vd stiff_volume(int b) const {
+    return points.scatter.empty() ? volume_that_carries(b) : points.scatter[b].stiffness * volume_that_carries(b);
+  }
   vd volume_that_carries(int b) const { return masked(carrying(static_cast<std::size_t>(b)), points.blocks[b].volume); }
 
   std::vector<Column> columns_;

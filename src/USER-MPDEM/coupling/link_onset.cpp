@@ -35,15 +35,17 @@ PenaltyLinks::SmallSeparations PenaltyLinks::small_separations(const std::vector
 
 double PenaltyLinks::largest_onset_share(const SmallSeparations& separations, const double* d) const {
   vd most{};
-  with_traction(*p_.law, [&](const auto& traction) {
-    if constexpr (std::decay_t<decltype(traction)>::kFields > 0)
-      for (const SmallSeparations::Block& b : separations.blocks) {
+  with_traction(*p_.law, [&](const auto& of_first) {
+    if constexpr (std::decay_t<decltype(of_first)>::kFields > 0)
+      for (std::size_t n = 0; n < separations.blocks.size(); ++n) {
+        const SmallSeparations::Block& b = separations.blocks[n];
+        const auto& traction = of_first.same_kind(blocks_[n].material);
         vd delta[3] = {};
         for (int j = 0; j < 6; ++j)
           for (int i = 0; i < 3; ++i) delta[i] += splat(d[j]) * b.delta[j][i];
         const LinkSeparation apart{delta[0] * b.n[0] + delta[1] * b.n[1] + delta[2] * b.n[2],
                                    delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]};
-        most = max(most, traction.onset_share(apart));
+        most = max(most, traction.onset_share(counted(apart, n)));
       }
   });
   return largest_lane(most);

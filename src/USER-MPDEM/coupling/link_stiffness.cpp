@@ -13,17 +13,15 @@ namespace mpdem {
 
 void PenaltyLinks::add_stiffness(const Grid& grid, const BondEnd* ends, double dt, double* penalty) const {
   if (blocks_.empty()) return;
-  const TractionStiffness& bound = p_.law->stiffness();
-  double k_of[2];
-  for (int s = 0; s < 2; ++s) k_of[s] = is_elastic() ? elastic_->side[s].end.softened(p_.stiffest()) : p_.stiffest();
-  const double damper = 2.0 * std::sqrt(std::max(bound.kn, bound.kt)) / dt;  // counts as a spring, see added_mass.h
   FreeWeights free(grid);
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
     for (const LinkBlock& b : blocks_) {
       const std::uint8_t counting = link_flags_[number_of(b)].counts_for_added_mass;
       if (!counting) continue;
-      const double k = k_of[b.side];
+      const TractionStiffness& bound = p_.law->of_material(b.material).stiffness();
+      const double stiffest = p_.stiffest(b.material), k = elastic_ ? elastic_->side[b.side].end.softened(stiffest) : stiffest,
+                   damper = 2.0 * std::sqrt(std::max(bound.kn, bound.kt)) / dt;  // counts as a spring, see added_mass.h
       const vd inertia = (1.0 + ends[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[number_of(b)]);
       const Weights<Type> w(b.X, b.base, inverse_h_);
       for (int l = 0; l < kLanes; ++l) {

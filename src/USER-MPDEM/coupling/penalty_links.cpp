@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "../mpm/lane_by_lane.h"
+#include "../mpm/point_scatter.h"
 #include "rigid_motion.h"
 #include "traction_laws.h"
 
@@ -52,12 +53,16 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
     const int b = k.slot / kLanes, l = k.slot % kLanes;
     const auto cell_along = [&](int d) { return support_base(k.foot[d], inverse_h_, cell_shift(basis_)); };
     items.push_back(
-        {{record.grain[0] == k.grain ? 0 : 1, cell_along(0), cell_along(1), cell_along(2), points.tags[b][l]}, static_cast<int>(i)});
+        {{record.grain[0] == k.grain ? 0 : 1, points.meta[b].material, cell_along(0), cell_along(1), cell_along(2), points.tags[b][l]},
+         static_cast<int>(i)});
   }
   std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
-  const auto second = std::find_if(items.begin(), items.end(), [](const Item& i) { return i.key[0] == 1; });
-  const auto blocks_of = [](std::ptrdiff_t links) { return (links + kLanes - 1) / kLanes; };
-  const std::size_t count = blocks_of(second - items.begin()) + blocks_of(items.end() - second);
+  std::size_t count = 0;
+  for (std::size_t n = 0, in_block = 0; n < items.size(); ++n) {
+    const bool fresh = n == 0 || in_block == kLanes || !items[n].same_block(items[n - 1]);
+    in_block = fresh ? 1 : in_block + 1;
+    count += fresh;
+  }
   std::vector<LinkBlock>& blocks = blocks_.own();
   blocks.reserve(count);
   link_flags_.reserve(count);
@@ -73,11 +78,13 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
     link_flags_.emplace_back();
     LinkBlock& b = blocks.back();
     const std::size_t n = blocks.size() - 1;
-    b.side = static_cast<std::uint8_t>(i->key[0]);
+    const Item first = *i;
+    b.side = static_cast<std::uint8_t>(first.key[0]);
+    b.material = static_cast<std::uint8_t>(first.key[1]);
     b.area = vd{};
     std::fill(b.link, b.link + kLanes, -1);
     int lane = 0;
-    for (; lane < kLanes && i != items.end() && i->key[0] == b.side; ++lane, ++i) set_lane(n, lane, points, i->link);
+    for (; lane < kLanes && i != items.end() && i->same_block(first); ++lane, ++i) set_lane(n, lane, points, i->link);
     for (; lane < kLanes; ++lane)  // empty lanes have the position of the first lane, and no area
       for (int d = 0; d < 3; ++d) {
         b.X[d][lane] = b.X[d][0];
@@ -92,7 +99,29 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
     for (int l = 0; l < kLanes; ++l)
       if (blocks_[n].link[l] >= 0) layers[kLanes * n + l] = points.meta[points.links[blocks_[n].link[l]].slot / kLanes].layer;
   take_states(points);
+  find_strength(points, record);
   if (record.grain_E[0] + record.grain_E[1] > 0.0) lay_out_elastic(record);
+}
+
+// Draws the factors at the foot points.
+void PenaltyLinks::find_strength(const PointStore& points, const BondRecord& record) {
+  strength_.clear();
+  if (p_.law->fields() == 0) return;
+  for (int m = 0; m < p_.law->materials(); ++m) {
+    std::vector<std::array<double, 3>> feet;
+    std::vector<std::size_t> lane;
+    for (std::size_t n = 0; n < blocks_.size(); ++n)
+      for (int l = 0; l < kLanes && blocks_[n].material == m; ++l) {
+        if (blocks_[n].link[l] < 0) continue;
+        const double* foot = points.links[blocks_[n].link[l]].foot;
+        feet.push_back({foot[0], foot[1], foot[2]});
+        lane.push_back(kLanes * n + static_cast<std::size_t>(l));
+      }
+    const std::vector<double> factors = interface_factors(p_.law->of_material(m).scatter(), record, feet);
+    if (factors.empty()) continue;
+    if (strength_.empty()) strength_.assign(blocks_.size(), splat(1.0));
+    for (std::size_t n = 0; n < lane.size(); ++n) strength_[lane[n] / kLanes][lane[n] % kLanes] = factors[n];
+  }
 }
 
 void PenaltyLinks::set_lane(std::size_t block, int lane, const PointStore& points, int link) {
@@ -311,7 +340,7 @@ Power PenaltyLinks::damper_power(const Grid& grid, const BondEnd* ends) const {
         const Weights<Type> w(b.X, b.base, inverse_h_);
         vd q[3], delta[3], n[3], v[3], f[3], a[3];
         find_separation(b, grid, s, w, q, delta, n);
-        damper(b, grid, s, w, softened(b.side, law.secant(separation_of(delta, n), state(law, i))), q, n, v, f);
+        damper(b, grid, s, w, softened(b.side, law.same_kind(b.material).secant(separation_of(delta, n), state(law, i))), q, n, v, f);
         gather(grid.acceleration, b, w, a);
         for (int d = 0; d < 3; ++d) {
           const int e = (d + 1) % 3, g = (d + 2) % 3;
@@ -386,7 +415,7 @@ void PenaltyLinks::add_force(Grid& grid, BondEnd* ends) {
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     each_attached(grid, ends, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
-      add_force_of(law, i, w, q, delta, n, grid, ends[blocks_[i].side]);
+      add_force_of(law.same_kind(blocks_[i].material), i, w, q, delta, n, grid, ends[blocks_[i].side]);
     });
   });
 }
@@ -396,9 +425,10 @@ void PenaltyLinks::update_and_add_force(PointStore& points, Grid& grid, BondEnd*
   step.debond.clear();
   if (is_elastic()) return add_whole_elastic_force(grid, ends, dt, step.released);
   if (blocks_.empty()) return;
-  with_traction(*p_.law, [&](const auto& law) {
+  with_traction(*p_.law, [&](const auto& of_first) {
     each_attached(grid, ends, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
       BondEnd& s = ends[blocks_[i].side];
+      const auto& law = of_first.same_kind(blocks_[i].material);
       if constexpr (std::decay_t<decltype(law)>::kFields > 0) update_block(law, i, w, q, delta, n, points, grid, s, dt, step);
       add_force_of(law, i, w, q, delta, n, grid, s);
     });
@@ -413,8 +443,9 @@ void PenaltyLinks::update_block(const L& law, std::size_t i, const Weights<Type>
   const std::uint8_t attached = link_flags_[i].attached;
   typename L::State now = state(law, i);
   const vmask was_damaged = states_[L::kFields * i] > 0.0;
-  const TractionUpdate u = law.update(separation_of(delta, n), now);
+  TractionUpdate u = law.update(counted(separation_of(delta, n), i), now);
   if (!any((u.grown | was_damaged) & lanes(attached))) return;
+  if (!strength_.empty()) u.dissipated *= strength_[i] * strength_[i];
   const vd area = masked(attached, b.area);
   vd v[3];
   find_velocity(b, grid, s, w, q, v);
@@ -507,7 +538,9 @@ std::vector<int> PenaltyLinks::debond(PointStore& points, const std::vector<int>
         if ((attached >> l & 1) && std::binary_search(of_failed.begin(), of_failed.end(), b.link[l]))
           freed |= static_cast<std::uint8_t>(1u << l);
       if (freed && is_elastic()) add_freed(i, freed, grid, ends[b.side]);
-      if (freed) release(i, freed, energy_at_debonding(law, i, grid, ends[b.side], dt), law.leaves_residue(), points, released);
+      if (freed)
+        release(i, freed, energy_at_debonding(law.same_kind(b.material), i, grid, ends[b.side], dt), law.leaves_residue(), points,
+                released);
       for (int l = 0; l < kLanes; ++l)
         if (freed >> l & 1) gone.push_back(b.link[l]);
     }
@@ -520,7 +553,7 @@ void PenaltyLinks::add_spring_energy(const Grid& grid, const BondEnd* ends, doub
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     for (std::size_t i = 0; i < blocks_.size(); ++i)
-      if (link_flags_[i].attached) U += sum_lanes(energy(law, i, grid, ends[blocks_[i].side]));
+      if (link_flags_[i].attached) U += sum_lanes(energy(law.same_kind(blocks_[i].material), i, grid, ends[blocks_[i].side]));
   });
   if (is_elastic()) U -= modal_energy();
 }
@@ -562,7 +595,7 @@ std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const 
         Secant& s = secants[i];
         vd delta[3];
         find_separation(b, grid, ends[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), s.arm, delta, s.n);
-        const TractionSecant k = softened(b.side, law.secant(separation_of(delta, s.n), state(law, i)));
+        const TractionSecant k = softened(b.side, law.same_kind(b.material).secant(separation_of(delta, s.n), state(law, i)));
         const vd area = masked(link_flags_[i].attached, b.area);
         s.kn = area * k.kn;
         s.kt = area * k.kt;
@@ -580,7 +613,8 @@ void PenaltyLinks::share(AlikeLists& alike) {
 
 std::size_t PenaltyLinks::memory_usage() const {
   return blocks_.memory_usage() + columns_.memory_usage() + layers_.memory_usage() + link_flags_.capacity() * sizeof(LinkFlags) +
-         states_.capacity() * sizeof(vd) + (moves_.capacity() + created_.capacity()) * sizeof(Positions) + dampers_.capacity() * sizeof(vd);
+         states_.capacity() * sizeof(vd) + (moves_.capacity() + created_.capacity()) * sizeof(Positions) +
+         (dampers_.capacity() + strength_.capacity()) * sizeof(vd);
 }
 
 // Used in elastic_links.cpp.

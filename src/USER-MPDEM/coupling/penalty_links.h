@@ -60,7 +60,7 @@ struct PenaltyParameters {
   }
   // Stiffness of links and of contact points for the added mass. The factor with friction is there because sliding
   // friction depends on the normal force.
-  double stiffest() const { return with_friction(law->stiffness()); }
+  double stiffest(int material = 0) const { return with_friction(law->of_material(material).stiffness()); }
   double stiffest_contact() const { return with_friction(contact()); }
 
  private:
@@ -194,7 +194,7 @@ class PenaltyLinks {
     vd area;           // zero in empty lanes
     vint base[3];      // cells of the points
     int link[kLanes];  // link of the store; -1: empty
-    std::uint8_t side;
+    std::uint8_t side, material;
     // Lanes with a link, attached or not.
     std::uint8_t taken() const {
       unsigned bits = 0;
@@ -213,11 +213,12 @@ class PenaltyLinks {
     vd X[3];
   };
 
-  // Links are ordered by grain, by the cell of the foot point, which never changes, and by the ID of the point. Cells
+  // Links are ordered by grain, by the material of the point, by the cell of the foot point, which never changes, and by the ID of the point. Cells
   // have few links, and blocks of one cell would be half empty. So a block has links of several cells.
   struct Item {
-    std::array<int, 5> key;  // grain 0 or 1, cell, ID
+    std::array<int, 6> key;  // grain 0 or 1, material, cell, ID
     int link;
+    bool same_block(const Item& i) const { return key[0] == i.key[0] && key[1] == i.key[1]; }
   };
 
   // True if the link is attached and its point is not residue.
@@ -251,6 +252,12 @@ class PenaltyLinks {
   // Ends the force of the lanes `freed`, and adds their energy to `released`. Residue stays attached in the store.
   void release(std::size_t block, std::uint8_t freed, vd energy, bool is_residue, PointStore& points, double& released);
   void take_states(const PointStore& points);  // from the links of the store
+  void find_strength(const PointStore& points, const BondRecord& record);
+  // Separation as it counts for damage: over the drawn factor on the strength. Energies then go with its square.
+  LinkSeparation counted(const LinkSeparation& s, std::size_t block) const {
+    if (strength_.empty()) return s;
+    return {s.n / strength_[block], s.square / (strength_[block] * strength_[block])};
+  }
   // Neither this nor add_force_of() is inlined, so that forces are bitwise identical with and without update_block().
   template <class Type>
   __attribute__((noinline)) void find_separation(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, vd* q,
@@ -279,6 +286,7 @@ class PenaltyLinks {
   TractionSecant softened(int side, const TractionSecant& k) const {
     return elastic_ ? elastic_->side[static_cast<std::size_t>(side)].end.softened(k) : k;
   }
+  TractionSecant springs(const LinkBlock& b) const;  // of link and soft spring in series
   Mat3<double> axes_of_patch(int side, const BondEnd& s) const;
   void add_whole_elastic_force(Grid& grid, BondEnd* ends, double dt, double& released);
   void add_freed(std::size_t block, std::uint8_t freed, const Grid& grid, const BondEnd& s);
@@ -297,6 +305,7 @@ class PenaltyLinks {
   std::vector<vd> states_;              // states of the traction law, its fields for each block; equal to those of the store
   std::vector<Positions> moves_;        // moves of the links of each block in this step, `kinematics updated` only
   std::vector<Positions> created_;      // positions of the links of each block at creation; empty: where they act
+  std::vector<vd> strength_;            // drawn factor on the strength, for each block; empty without scatter
   std::vector<vd> dampers_;             // damping coefficient over sqrt(k), for each block; empty without damping
   std::optional<ElasticEnds> elastic_;  // none: both grains are rigid
   // Centres of the grains at creation, and the rotations from their frames to the axes of the bond.

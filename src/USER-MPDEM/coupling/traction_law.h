@@ -26,10 +26,12 @@
 #ifndef MPDEM_COUPLING_TRACTION_LAW_H
 #define MPDEM_COUPLING_TRACTION_LAW_H
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "../material/law_list.h"
+#include "../material/scatter.h"
 #include "../material/vti_elasticity.h"
 #include "../numerics/simd.h"
 
@@ -82,6 +84,13 @@ class TractionLaw {
   // What is wrong with the combination of the options, or an empty string.
   virtual std::string trouble() const { return ""; }
 
+  // Laws of the other materials of the scene, and scatter, as in Law (material/law.h). All laws are of one class.
+  const TractionLaw& of_material(int n) const { return n == 0 || others_.empty() ? *this : *others_[static_cast<std::size_t>(n) - 1]; }
+  int materials() const { return 1 + static_cast<int>(others_.size()); }
+  void set_materials(std::vector<std::shared_ptr<const TractionLaw>> others) { others_ = std::move(others); }
+  const Scatter& scatter() const { return scatter_; }
+  void set_scatter(const Scatter& s) { scatter_ = s; }
+
  protected:
   // Laws are copied only as objects of their own class.
   TractionLaw(const TractionLaw&) = default;
@@ -89,6 +98,8 @@ class TractionLaw {
 
  private:
   TractionStiffness stiffness_;
+  std::vector<std::shared_ptr<const TractionLaw>> others_;
+  Scatter scatter_;
 };
 
 template <class L>
@@ -98,6 +109,8 @@ class TractionLawOf : public TractionLaw {
   const char* name() const final { return L::kName; }
   int fields() const final { return L::kFields; }
   bool leaves_residue() const final { return L::kLeavesResidue; }
+  // of_material() as an object of this class.
+  const L& same_kind(int n) const { return static_cast<const L&>(of_material(n)); }
 };
 
 }  // namespace mpdem

@@ -30,16 +30,15 @@ inline int traction_law_number(const TractionLaw& law) {
 
 // Data with which fix mpm/couple reads a law from a script.
 struct TractionEntry : NamedLaw {
-  std::shared_ptr<const TractionLaw> (*make)(TractionStiffness stiffness, const LawValues& values);
+  std::shared_ptr<TractionLaw> (*make)(TractionStiffness stiffness, const LawValues& values);
 };
 
 template <class... L>
 std::vector<TractionEntry> traction_entries_of(LawList<L...>) {
   static_assert(((L::kFields <= kMostLinkFields) && ...), "raise kMostLinkFields of mpm/point_record.h, and the version of its records");
-  return {
-      TractionEntry{{L::kName, L::words()}, [](TractionStiffness stiffness, const LawValues& values) -> std::shared_ptr<const TractionLaw> {
-                      return std::make_shared<L>(stiffness, values);
-                    }}...};
+  return {TractionEntry{{L::kName, L::words()}, [](TractionStiffness stiffness, const LawValues& values) -> std::shared_ptr<TractionLaw> {
+                          return std::make_shared<L>(stiffness, values);
+                        }}...};
 }
 
 inline const std::vector<TractionEntry>& traction_entries() {

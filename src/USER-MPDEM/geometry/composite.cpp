@@ -48,6 +48,11 @@ void Composite::add_breaks(std::vector<double>& at) const {
   for (const auto& p : parts_) p->add_breaks(at);
 }
 
+int Composite::part_at(const Vector3& x) const {
+  const auto part = std::find_if(parts_.begin(), parts_.end(), [&](const auto& p) { return p->inside(x); });
+  return part == parts_.end() ? 0 : static_cast<int>(part - parts_.begin());
+}
+
 // All shapes reach from grain to grain there, so each of them has an outline with any smaller inner radius.
 double Composite::spans() const {
   return -largest_of(parts_, [](const Shape& s) { return -s.spans(); });

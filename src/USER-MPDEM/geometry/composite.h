@@ -30,6 +30,7 @@ class Composite : public Shape {
   bool ends_where_it_spans() const override;
   std::unique_ptr<Shape> with_inner(double inner) const override;
   void add_breaks(std::vector<double>& at) const override;
+  int part_at(const Vector3& x) const override;
 
  private:
   std::vector<std::unique_ptr<Shape>> parts_;

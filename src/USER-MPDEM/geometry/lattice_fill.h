@@ -26,6 +26,7 @@ struct FillPoint {
   double volume = 0;
   int link_count = 0;  // how many of `link` there are
   bool film = false;   // a column of a film, see film_fill.h
+  int material = 0;    // number of its material
   struct Attachment {
     int side = 0;
     Vector3 foot = Vector3::Zero();

@@ -108,6 +108,8 @@ class Shape {
   virtual std::unique_ptr<Shape> with_inner(double inner) const = 0;
 
   bool between_centres(double z) const;
+  // Number of the first of its parts that contains x; 0 if it has one part, or if none contains x.
+  virtual int part_at(const Vector3& /* x */) const { return 0; }
   // Heights at which the profile has a corner.
   virtual void add_breaks(std::vector<double>& at) const;
 

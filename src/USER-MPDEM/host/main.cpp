@@ -22,7 +22,10 @@ int main(int argc, char** argv) {
   mpdem::install_signal_handlers();
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // so that a run whose output goes to a file can be followed
   if (argc == 2 && std::strcmp(argv[1], "-options") == 0) {
-    std::fputs((mpdem::listed_cement_words() + LAMMPS_NS::FixMpmCouple::listed_words() + mpdem::listed_exclusions()).c_str(), stdout);
+    std::fputs((mpdem::listed_cement_words() + LAMMPS_NS::FixMpmCouple::listed_words() + mpdem::listed_material_words() +
+                mpdem::listed_exclusions())
+                   .c_str(),
+               stdout);
     return 0;
   }
   MPI_Init(&argc, &argv);

@@ -11,6 +11,7 @@
 
 #include "../styles/atoms/atom_vec_mpdem.h"
 #include "../styles/commands/bond_stiffness.h"
+#include "../styles/commands/cement_material.h"
 #include "../styles/computes/compute_mpm_atom.h"
 #include "../styles/computes/compute_mpm_fragment.h"
 #include "../styles/computes/compute_mpm_stress.h"
@@ -62,6 +63,7 @@ void LAMMPS::post_create() {
   mpdem::compute_styles(modify)["mpm/fragment"] = &make_compute<ComputeMpmFragment>;
   mpdem::compute_styles(modify)["mpm/stress"] = &make_compute<ComputeMpmStress>;
   mpdem::command_styles(input)["bond_stiffness"] = &run_command<BondStiffness>;
+  mpdem::command_styles(input)["cement_material"] = &run_command<CementMaterial>;
   mpdem::command_styles(input)["create_cement"] = &run_command<CreateCement>;
   mpdem::command_styles(input)["delete_bond"] = &run_command<DeleteBond>;
   mpdem::command_styles(input)["write_cement"] = &run_command<WriteCement>;
@@ -94,7 +96,7 @@ void LAMMPS::help() {
       screen,
       "\n\n* USER-MPDEM %s styles\n\n"
       "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, compute mpm/fragment, compute mpm/stress,\n"
-      "commands create_cement, write_cement, delete_bond, bond_stiffness\n",
+      "commands create_cement, cement_material, write_cement, delete_bond, bond_stiffness\n",
       mpdem::kVersion);
 }
 

@@ -19,6 +19,18 @@ std::string Law::report_of_strength() const {
   return text;
 }
 
+bool Law::any_scatter(Scattered what) const {
+  for (int n = 0; n < materials(); ++n)
+    if (of_material(n).scatter().has(what)) return true;
+  return false;
+}
+
+bool Law::any_scatter() const {
+  for (int n = 0; n < materials(); ++n)
+    if (!of_material(n).scatter().rules.empty()) return true;
+  return false;
+}
+
 std::optional<Localisation> Law::crack_band() const {
   const std::optional<SofteningCurve> curve = softening_curve();
   return curve && length_ > 0.0 ? localise(*curve, cutoff()) : std::nullopt;

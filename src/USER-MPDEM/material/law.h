@@ -34,6 +34,7 @@
 #ifndef MPDEM_MATERIAL_LAW_H
 #define MPDEM_MATERIAL_LAW_H
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -41,6 +42,7 @@
 #include "../numerics/simd.h"
 #include "law_list.h"
 #include "localisation.h"
+#include "scatter.h"
 #include "vti_elasticity.h"
 
 namespace mpdem {
@@ -82,6 +84,8 @@ class Law {
   virtual int fields() const = 0;
   // True if the law does no damage. Points then have no state, and none fails.
   bool inert() const { return fields() == 0; }
+  // Degree of the law, see kDegree.
+  virtual int degree() const = 0;
 
   // Values of the options of the law, in the order of words(). The value of an option with choices is the index of the chosen one.
   virtual std::vector<double> values() const = 0;
@@ -118,6 +122,22 @@ class Law {
   // Band in which the material breaks, for a law with a length. Empty if it is not known.
   std::optional<Localisation> crack_band() const;
 
+  // Softening of points whose crack takes this many times the energy for which it was chosen. Called where a material has
+  // scatter of its energy, which only laws with can_scatter_energy() may have.
+  virtual double softening_for(double /* times */) const { return 0.0; }
+  virtual bool can_scatter_energy() const { return false; }
+
+  // Other materials of the scene. This law is that of material 0 and has the others, of the same class.
+  const Law& of_material(int n) const { return n == 0 ? *this : *others_[static_cast<std::size_t>(n) - 1]; }
+  int materials() const { return 1 + static_cast<int>(others_.size()); }
+  void set_materials(std::vector<std::shared_ptr<const Law>> others) { others_ = std::move(others); }
+  // Scatter of this material.
+  const Scatter& scatter() const { return scatter_; }
+  void set_scatter(const Scatter& s) { scatter_ = s; }
+  // Does one of the materials have scatter of this kind, or any scatter?
+  bool any_scatter(Scattered what) const;
+  bool any_scatter() const;
+
   // Names of the columns of compute mpm/atom that this law adds.
   virtual std::vector<std::string> columns() const { return {}; }
   // True if the state is a damage tensor (xx yy zz yz xz xy) in the material frame.
@@ -136,6 +156,8 @@ class Law {
  private:
   VtiElasticity elasticity_;
   double length_ = 0.0;
+  std::vector<std::shared_ptr<const Law>> others_;
+  Scatter scatter_;
 };
 
 template <class L>
@@ -144,6 +166,10 @@ class LawOf : public Law {
   using Law::Law;
   const char* name() const final { return L::kName; }
   int fields() const final { return L::kFields; }
+  int degree() const final {
+    if constexpr (L::kFields > 0) return L::kDegree;
+    return 2;
+  }
 };
 
 }  // namespace mpdem

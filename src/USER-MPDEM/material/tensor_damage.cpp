@@ -131,6 +131,20 @@ double nonlocal_exponent(const DamageParameters& p, double G_f, double length, d
   return m;
 }
 
+// The energy of a crack in cells goes with localisation_cells() band_work(). An exponent of 0 or more stays so, since the search for
+// the new damage is that of thresholds that do not fall (return_map.cpp).
+double TensorDamage::softening_for(double times) const {
+  const auto work = [&](double x) {
+    DamageParameters q = p_;
+    q.exponent = x;
+    return localisation_cells(q) * band_work(x, p_.Dcut);
+  };
+  double least, most, m = 0.0;
+  const double floor = p_.exponent >= 0.0 ? 0.0 : -1.0 + 1e-9, ceiling = 3.0 - 1e-9;
+  if (find_exponent(work, times * work(p_.exponent), least, most, m)) return std::max(m, floor);
+  return times < 1.0 ? floor : ceiling;
+}
+
 std::vector<LawOption> TensorDamage::words() {
   return {{"B0", is_positive, "must be greater than 0", "the energy per volume at which damage starts", {}},
           {"cutoff", is_inside_0_1, "must lie between 0 and 1, both excluded", "", {}},

@@ -88,6 +88,8 @@ class TensorDamage final : public LawOf<TensorDamage> {
     const double energy = crack_energy_ > 0.0 ? crack_energy_ : surface_band_.energy();
     return energy > 0.0 ? exponent_of_layer(p_, energy, thickness) : p_.exponent;
   }
+  double softening_for(double times) const override;
+  bool can_scatter_energy() const override { return crack_energy_ > 0.0 && length() == 0.0; }
   double threshold() const { return p_.B0; }
   double lowest_threshold() const { return p_.exponent < 0.0 ? p_.B0 * std::pow(1.0 - p_.Dcut, -p_.exponent) : p_.B0; }
   double interface() const { return p_.interface; }

@@ -4,6 +4,7 @@
 
 #include "../material/laws.h"
 #include "gather.h"
+#include "material_runs.h"
 #include "point_stress.h"
 #include "scatter.h"
 
@@ -68,10 +69,9 @@ void advance(PointStore& points, int first, int last, Grid& grid, const L& law, 
 }
 
 template <class Type, class L>
-void add_force(const PointStore& points, Grid& grid, const L& law) {
+void add_force(const PointStore& points, int first, int last, Grid& grid, const L& law) {
   const double inverse_h = 1.0 / grid.h;
-  const int n = static_cast<int>(points.blocks.size());
-  for (int b = 0; b < n; ++b) {
+  for (int b = first; b < last; ++b) {
     const BlockMeta& m = points.meta[b];
     if (m.failed == m.occupied) continue;
     const PointBlock& p = points.blocks[b];
@@ -85,13 +85,15 @@ void add_force(const PointStore& points, Grid& grid, const L& law) {
 
 void advance_points(PointStore& points, int first, int last, Grid& grid, const Law& law, double dt, const AdvanceOptions& options,
                     AdvanceResult& result) {
-  with_law(law, [&](const auto& l) {
-    with_basis(grid.basis, [&](auto type) { advance<decltype(type)>(points, first, last, grid, l, dt, options, result); });
+  for_each_material(points, law, first, last, [&](const auto& l, int from, int to) {
+    with_basis(grid.basis, [&](auto type) { advance<decltype(type)>(points, from, to, grid, l, dt, options, result); });
   });
 }
 
 void add_internal_force(const PointStore& points, Grid& grid, const Law& law) {
-  with_law(law, [&](const auto& l) { with_basis(grid.basis, [&](auto type) { add_force<decltype(type)>(points, grid, l); }); });
+  for_each_material(points, law, [&](const auto& l, int first, int last) {
+    with_basis(grid.basis, [&](auto type) { add_force<decltype(type)>(points, first, last, grid, l); });
+  });
 }
 
 }  // namespace mpdem

@@ -37,7 +37,7 @@ struct AdvanceResult {
 };
 
 // Advances the points of the blocks [first, last) by dt with the nodal velocity, and adds the internal force at the end
-// of the step. Failed points keep their state and exert no force.
+// of the step. Failed points keep their state and exert no force. law: that of material 0, here and in other passes.
 void advance_points(PointStore& points, int first, int last, Grid& grid, const Law& law, double dt, const AdvanceOptions& options,
                     AdvanceResult& result);
 

@@ -6,6 +6,7 @@
 
 #include "../material/laws.h"
 #include "gather.h"
+#include "material_runs.h"
 #include "point_stress.h"
 #include "scatter.h"
 
@@ -109,7 +110,7 @@ void UpdatedPass::project(const PointStore& points, Grid& grid, const Law& law, 
   grid.momentum.assign(grid.force.size(), 0.0);
   grid.clear_force();
   const int n = static_cast<int>(points.blocks.size());
-  with_law(law, [&](const auto& l) {
+  with_law(law_of_bond(points, law), [&](const auto& l) {
     with_basis(grid.basis, [&](auto type) {
       for (int b = 0; b < n; ++b)
         if (points.meta[b].occupied)
@@ -126,7 +127,7 @@ void UpdatedPass::advance(PointStore& points, Grid& grid, const Law& law, double
   grid.momentum.assign(grid.force.size(), 0.0);
   grid.clear_force();
   moves_.clear();
-  with_law(law, [&](const auto& l) {
+  with_law(law_of_bond(points, law), [&](const auto& l) {
     with_basis(grid.basis, [&](auto type) {
       pass<decltype(type)>(points, grid, l, density, dt, dt_v, transfer, options, result);
       relocate(points, grid, result);
@@ -284,6 +285,7 @@ void UpdatedPass::relocate(PointStore& points, const Grid& grid, AdvanceResult& 
     if (to < 0) {
       const BlockMeta& m = points.meta[moves_[i].from / kLanes];
       to = points.add_block(m.row, m.layer, t.base, grid.h, grid.basis);
+      points.meta[to].material = points.meta[moves_[i].from / kLanes].material;
       std::copy(t.column, t.column + kMostColumns, points.meta[to].column);
       fresh_.push_back(0);
       next_in_cell_.push_back(first_in_cell_[t.node]);

@@ -14,17 +14,19 @@ namespace mpdem {
 namespace {
 
 struct Item {
-  int row, layer, base[3], tag, slot;
+  int row, layer, material, base[3], tag, slot;
   int to_layer;  // new layer of the point; `layer` is the same, or 0 where a block may have several layers (`stay` of arrange())
 };
 
 bool same_cell(const Item& a, const Item& b) {
-  return a.row == b.row && a.layer == b.layer && a.base[0] == b.base[0] && a.base[1] == b.base[1] && a.base[2] == b.base[2];
+  return a.row == b.row && a.layer == b.layer && a.material == b.material && a.base[0] == b.base[0] && a.base[1] == b.base[1] &&
+         a.base[2] == b.base[2];
 }
 
 bool cell_before(const Item& a, const Item& b) {
   if (a.row != b.row) return a.row < b.row;
   if (a.layer != b.layer) return a.layer < b.layer;
+  if (a.material != b.material) return a.material < b.material;
   for (int d = 0; d < 3; ++d)
     if (a.base[d] != b.base[d]) return a.base[d] < b.base[d];
   return false;
@@ -206,7 +208,7 @@ std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<in
   for (int slot = 0; slot < kLanes * static_cast<int>(blocks.size()); ++slot) {
     const int b = slot / kLanes, l = slot % kLanes;
     if (!(meta[b].occupied >> l & 1)) continue;
-    Item it{meta[b].row, 0, {}, tags[b][l], slot, meta[b].layer};
+    Item it{meta[b].row, 0, meta[b].material, {}, tags[b][l], slot, meta[b].layer};
     while (moved != new_layer.end() && moved->first < slot) ++moved;
     if (moved != new_layer.end() && moved->first == slot) it.to_layer = moved->second;
     if (!stay) it.layer = it.to_layer;
@@ -248,6 +250,7 @@ std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<in
     const int home = is_home ? static_cast<int>(n) : next.copies_[n - plans.size()].home;
     const int layer = is_home ? families[home].first() : next.copies_[n - plans.size()].layer;
     next.add_block(items[plans[home].first].row, layer, families[home], cell, basis);
+    next.meta.back().material = static_cast<std::uint8_t>(items[plans[home].first].material);
     if (!motion.empty()) next.start_motion();
     for (int l = 0; l < kLanes; ++l) {
       if (lanes_of[home][l] < 0) continue;

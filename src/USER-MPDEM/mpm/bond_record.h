@@ -23,6 +23,9 @@ namespace mpdem {
 // How fix mpm set the material frames of the points of a bond.
 enum class AxisRule { none, radial, bond, global };
 
+// Materials of a scene, with that of fix mpm.
+constexpr int kMostMaterials = 256, kSeveralMaterials = -1;
+
 struct BondRecord {
   int grain[2] = {0, 0};                                    // tags, ascending
   double origin[3] = {0, 0, 0};                             // origin of the coordinates of the bond, in the box
@@ -46,6 +49,7 @@ struct BondRecord {
   bool regular = true;            // points of full cells lie in the middle of their cells
   double thickness = 0;           // largest thickness of the cement between the grains; 0: film alone
   int points = 0;
+  int material = 0;               // number of the material of all its points, see Law::of_material(); kSeveralMaterials: of several
   int point_template = 0;         // number of its point template, from 1, until its points are made (point_template.h); else 0
   bool wants_points = false;      // points must be made before the next step
   int home = 0;                   // 1 + rank that has its points; 0: each point is on the rank of its position (cement/bond/work_shares.h)
@@ -87,6 +91,7 @@ struct BondRecord {
     visit("its thickness", b.thickness, from(0.0, widest));
     visit("its number of points", b.points, kCount);
     visit("its template", b.point_template, kCount);
+    visit("the number of its material", b.material, from(kSeveralMaterials, kMostMaterials - 1));
     visit("'wants points'", b.wants_points);
     visit("the rank that has its points", b.home, kCount);
     for (auto& l : b.left) visit("'has left' of a grain", l);

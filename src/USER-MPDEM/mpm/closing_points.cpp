@@ -9,6 +9,7 @@
 #include "../material/coulomb.h"
 #include "../material/laws.h"
 #include "gather.h"
+#include "material_runs.h"
 #include "point_state.h"
 #include "scatter.h"
 
@@ -28,7 +29,7 @@ vd width_when_closed(const PointStore& points, int block, const vd* n0, const Sy
     square += across * across;
   }
   const vd width = 1.0 / sqrt(square);
-  const Sym3<vd> stress = with_law(*points.law(), [&](const auto& law) -> Sym3<vd> {
+  const Sym3<vd> stress = with_law(law_of_block(points, *points.law(), block), [&](const auto& law) -> Sym3<vd> {
     return law.stress(points.blocks[block].strain, state_of<std::decay_t<decltype(law)>>(points, block));
   });
   return min(splat(1.0), width) + max(-contract(along, stress), vd{}) / (K * width);

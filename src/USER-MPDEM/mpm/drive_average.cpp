@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "../material/laws.h"
+#include "material_runs.h"
 #include "point_state.h"
 #include "strain_norm.h"
 
@@ -23,19 +24,21 @@ SmoothingPasses smoothing_passes_for(double length, double cell, Basis basis) {
 }
 
 bool is_near_threshold(const PointStore& points, const Law& law) {
-  return with_law(law, [&](const auto& l) {
+  if (!points.scatter.empty()) return true;  // a strong point may raise the average at a weak one at any strain
+  bool found = false;
+  for_each_material(points, law, [&](const auto& l, int first, int last) {
     using L = std::decay_t<decltype(l)>;
     if constexpr (L::kFields > 0) {
       const double near = kNearThreshold * l.lowest_threshold() * std::min(1.0, l.interface());
-      for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      for (int b = first; b < last && !found; ++b) {
         const BlockMeta& m = points.meta[b];
         const Sym3<vd>& strain = points.blocks[b].strain;
         const vmask active = lanes(m.occupied & ~m.failed);
-        if (any(active & (L::square_bound(l.elasticity().stress(strain), strain) > near * near))) return true;
+        if (any(active & (L::square_bound(l.elasticity().stress(strain), strain) > near * near))) found = true;
       }
     }
-    return false;
   });
+  return found;
 }
 
 namespace {
@@ -59,7 +62,7 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, c
   }
   intact_at_start_ = count;
   sum_.assign(grid.size() + ScalarSums::kRoom, 0.0);
-  with_law(law, [&](const auto& l) {
+  with_law(law_of_bond(points, law), [&](const auto& l) {
     using L = std::decay_t<decltype(l)>;
     if constexpr (L::kFields > 0)
       of_points_.add_values(
@@ -114,7 +117,8 @@ double DriveAverage::largest_to_come(const PointStore& points, const Grid& grid)
 void DriveAverage::find_limits(const PointStore& points, Grid& grid, const Law& law, double largest) {
   constexpr double kRounding = 1e-9;
   grid.drive_limit.clear();
-  with_law(law, [&](const auto& l) {
+  if (!points.scatter.empty()) return;
+  with_law(law_of_bond(points, law), [&](const auto& l) {
     using L = std::decay_t<decltype(l)>;
     if constexpr (L::kFields > 0) {
       const double threshold = root_of_drive<L>(splat(l.lowest_threshold() * std::min(1.0, l.interface())))[0];

@@ -86,7 +86,7 @@ class DriveAverage {
   void smooth(Grid& grid, const SmoothingPasses& passes, int k);
 
   // Sets grid.drive_limit and clears grid.drive_average if `largest`, the largest average on all ranks, is below the
-  // threshold. Else there are no limits. An average is a mean of roots with weights that are not negative. So it grows
+  // threshold. Else there are no limits, nor with scatter. An average is a mean of roots with weights that are not negative. So it grows
   // no more than the root that grows most, and no point needs an average until some root has grown by the difference of
   // threshold and `largest`. The limit is the square of the driving force of that root. Call it after the smoothing
   // passes, with the strain that was averaged.

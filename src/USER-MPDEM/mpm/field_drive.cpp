@@ -11,6 +11,7 @@
 #include "block_nodes.h"
 #include "drive_average.h"
 #include "gather.h"
+#include "material_runs.h"
 #include "point_state.h"
 #include "strain_norm.h"
 
@@ -39,8 +40,8 @@ double largest(vmask active, vd values) {
 
 // Factor on the threshold for each point of a block.
 template <class L>
-vd strength_of(const BlockMeta& m, const L& law) {
-  return select(lanes(m.linked), splat(law.interface()), splat(1.0));
+vd strength_of(const PointStore& points, int b, const L& law) {
+  return points.strength_factor(b) * select(lanes(points.meta[b].linked), splat(law.interface()), splat(1.0));
 }
 
 }  // namespace
@@ -63,11 +64,13 @@ double margin_of_root(const Law& law, double b, double root, double most) {
 }
 
 double bound_of_averages(const Law& law) {
-  return with_law(law, [&](const auto& l) {
-    using L = std::decay_t<decltype(l)>;
-    if constexpr (L::kFields > 0) return root<L>(1.0 / std::min(1.0, l.interface()));
-    return 1.0;
-  });
+  double most = 1.0;
+  for (int n = 0; n < law.materials(); ++n)
+    with_law(law.of_material(n), [&](const auto& l) {
+      using L = std::decay_t<decltype(l)>;
+      if constexpr (L::kFields > 0) most = std::max(most, root<L>(1.0 / std::min(1.0, l.interface())));
+    });
+  return most;
 }
 
 double margin_of_average(const Law& law, double b, double root, double most) {
@@ -82,13 +85,13 @@ double margin_of_average(const Law& law, double b, double root, double most) {
 
 void find_strain_bounds(const PointStore& points, const std::array<std::vector<Sym3<vd>>, 6>& strain, const Law& law, double* bound) {
   std::fill(bound, bound + 6, 0.0);
-  with_law(law, [&](const auto& l) {
+  for_each_material(points, law, [&](const auto& l, int first, int last) {
     using L = std::decay_t<decltype(l)>;
     if constexpr (L::kFields > 0) {
       const double unit = root_of_unit_strain(l);
-      for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      for (int b = first; b < last; ++b) {
         const BlockMeta& m = points.meta[b];
-        const vd threshold = l.lowest_threshold() * strength_of(m, l);
+        const vd threshold = l.lowest_threshold() * strength_of(points, b, l);
         const vd scale = unit / (L::kDegree == 2 ? sqrt(threshold) : threshold);
         for (int j = 0; j < 6; ++j)
           bound[j] = std::max(bound[j], largest(lanes(m.occupied & ~m.failed), scale * sqrt(contract(strain[j][b], strain[j][b]))));
@@ -99,17 +102,19 @@ void find_strain_bounds(const PointStore& points, const std::array<std::vector<S
 
 double largest_root_of_drive(const PointStore& points, const Law& law, const Grid* averages) {
   double most = 0.0;
-  with_law(law, [&](const auto& l) {
+  int degree = 1;
+  for_each_material(points, law, [&](const auto& l, int first, int last) {
     using L = std::decay_t<decltype(l)>;
     if constexpr (L::kFields > 0) {
-      for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      degree = L::kDegree;
+      for (int b = first; b < last; ++b) {
         const BlockMeta& m = points.meta[b];
         if (m.failed == m.occupied) continue;
         const vmask active = lanes(m.occupied & ~m.failed);
         const Sym3<vd>& strain = points.blocks[b].strain;
         vd Yeq, B = splat(l.lowest_threshold());
         if (m.damaged) {
-          const LawDrive drive = l.drive(strain, state_of<L>(points, static_cast<int>(b)), softening_of(points, static_cast<int>(b), l));
+          const LawDrive drive = l.drive(strain, state_of<L>(points, b), softening_of(points, b, l));
           Yeq = drive.Yeq, B = drive.B;
         } else {
           Yeq = l.undamaged_drive(strain);
@@ -122,13 +127,12 @@ double largest_root_of_drive(const PointStore& points, const Law& law, const Gri
           });
           Yeq = drive_factor<L>(average);
         }
-        const vd share = Yeq / (B * strength_of(m, l));
+        const vd share = Yeq / (B * strength_of(points, b, l));
         most = std::max(most, largest(active, share));
       }
-      most = root<L>(most);
     }
   });
-  return most;
+  return degree == 2 ? std::sqrt(most) : most;
 }
 
 void set_field(PointStore& points, const Grid& grid, const double Q[3][3]) {

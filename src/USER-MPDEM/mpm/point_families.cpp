@@ -104,6 +104,7 @@ void PointStore::append_copy(const PointStore& from, int b) {
   if (!from.slip.empty()) slip.push_back(from.slip[b]);
   if (!from.root_of_norm.empty()) root_of_norm.push_back(from.root_of_norm[b]);
   if (!from.softening.empty()) softening.push_back(from.softening[b]);
+  if (!from.scatter.empty()) scatter.push_back(from.scatter[b]);
   if (!from.state_.empty()) state_.insert(state_.end(), from.state(b), from.state(b) + state_fields_);
 }
 
@@ -157,6 +158,7 @@ PointStore::LayerMove PointStore::move_to_layers(const std::map<int, int>& layer
     for (; f != families.end() && f->first < home; ++f)
       for (int layer : f->second.others()) {
         const int b = add_block(meta[f->first].row, layer, f->second, cell, basis);
+        meta[b].material = meta[f->first].material;
         copies_.push_back({f->first, layer});
         fill_lanes(b, f->second, before, new_index, new_slot, cell, basis);
         done.blocks.push_back(b);

@@ -83,6 +83,7 @@ struct PointRecord {
   bool failed = false;
   bool split_checked = false;        // the nodes were split for it, see fracture/phantom_nodes.h
   int connected = kConnectedToBoth;  // bits of the grains to which it is connected, see BlockMeta
+  int material = 0;                  // number of its material, see Law::of_material()
   bool film = false;                 // one point across the gap, with a link to each grain, see coupling/film.h
   bool has_frame = false;            // q was given; otherwise the fix sets it from its axis rule
   double X[3] = {0, 0, 0};
@@ -132,6 +133,7 @@ struct PointRecord {
     const int freed = visit.length("its number of contact points", p.contacts, kMaxLinks);
     for (int k = 0; k < freed; ++k) visit.part(p.contact[k]);
     visit("'is distorted'", p.distorted);
+    visit("the number of its material", p.material, from(0, kMostMaterials - 1));
     visit("'has slid'", p.has_slip);
     if (visit.present(p.has_slip)) visit("the slip of its crack", p.slip, kFinite);
   }

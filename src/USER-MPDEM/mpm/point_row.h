@@ -6,7 +6,7 @@
 #ifndef MPDEM_MPM_POINT_ROW_H
 #define MPDEM_MPM_POINT_ROW_H
 
-#include "../parallel/record.h"
+#include "bond_record.h"
 
 namespace mpdem {
 
@@ -22,7 +22,8 @@ struct PointRow {
                               *kDamage[6] = {"dxx", "dyy", "dzz", "dyz", "dxz", "dxy"}, *kFailed[1] = {"failed"},
                               *kArea[2] = {"area_i", "area_j"},
                               *kFoot[6] = {"foot_ix", "foot_iy", "foot_iz", "foot_jx", "foot_jy", "foot_jz"},
-                              *kAttached[2] = {"attached_i", "attached_j"}, *kLinkDamage[2] = {"damage_i", "damage_j"};
+                              *kAttached[2] = {"attached_i", "attached_j"}, *kLinkDamage[2] = {"damage_i", "damage_j"},
+                              *kMaterial[1] = {"material"};
 
   int grain[2] = {0, 0};
   double x[3] = {0, 0, 0}, volume = 0.0;
@@ -32,6 +33,8 @@ struct PointRow {
   bool failed = false;
   bool has_link_damage = false;  // not a column: all rows have it, or none has; with it a failed point may be residue on a grain
   Side side[2];
+  bool has_material = false;  // not a column: all rows have it, or none has
+  int material = 0;           // number of its material
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& r, Visitor& visit) {
@@ -52,6 +55,8 @@ struct PointRow {
       visit(kAttached[s], r.side[s].attached);
       if (visit.present(r.has_link_damage)) visit(kLinkDamage[s], r.side[s].damage, from(0.0, 1.0));
     }
+    visit.left_out(r.has_material);
+    if (visit.present(r.has_material)) visit(kMaterial[0], r.material, from(0, kMostMaterials - 1));
   }
 };
 

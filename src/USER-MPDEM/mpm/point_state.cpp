@@ -9,6 +9,7 @@
 #include "../material/laws.h"
 #include "../numerics/eigen3.h"
 #include "../numerics/text_of.h"
+#include "material_runs.h"
 
 namespace mpdem {
 
@@ -48,9 +49,9 @@ std::string convert_file_tensor(PointStore& points, int slot, const Law& law) {
 
 std::vector<vd> largest_damages(const PointStore& points) {
   std::vector<vd> all(points.meta.size());
-  with_law(*points.law(), [&](const auto& l) {
-    for (std::size_t b = 0; b < all.size(); ++b)
-      if (points.meta[b].damaged) all[b] = largest_damage_of(points, static_cast<int>(b), l);
+  for_each_material(points, *points.law(), [&](const auto& l, int first, int last) {
+    for (int b = first; b < last; ++b)
+      if (points.meta[b].damaged) all[b] = largest_damage_of(points, b, l);
   });
   return all;
 }
@@ -67,7 +68,7 @@ std::array<double, 3> without_sign(std::array<double, 3> normal) {
 CracksOfBlock cracks_of(const PointStore& points, int block) {
   const Mat3<vd> R = rotation_matrix(points.blocks[block].q);
   Sym3<vd> damage, opening;
-  with_law(*points.law(), [&](const auto& l) {
+  with_law(law_of_block(points, *points.law(), block), [&](const auto& l) {
     const auto state = state_of<std::decay_t<decltype(l)>>(points, block);
     damage = l.damage(state);
     opening = l.opening(points.blocks[block].strain, state);
@@ -111,23 +112,9 @@ std::array<double, 6> damage_tensor_of(const PointStore& points, int slot) {
     for (int i = 0; i < points.state_fields(); ++i) numbers[i] = points.state(b)[i][l];
     return numbers;
   }
-  const Sym3<vd> D =
-      with_law(*points.law(), [&](const auto& law) -> Sym3<vd> { return law.damage(state_of<std::decay_t<decltype(law)>>(points, b)); });
+  const Sym3<vd> D = with_law(law_of_block(points, *points.law(), b),
+                              [&](const auto& law) -> Sym3<vd> { return law.damage(state_of<std::decay_t<decltype(law)>>(points, b)); });
   return {D.xx[l], D.yy[l], D.zz[l], D.yz[l], D.xz[l], D.xy[l]};
-}
-
-void find_softening(PointStore& points, const BondRecord& record) {
-  points.softening.clear();
-  const Law& law = *points.law();
-  if (!law.softens_by_position()) return;
-  points.softening.resize(points.blocks.size());
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    const vd* at = points.created_at(static_cast<int>(b));
-    for (int l = 0; l < kLanes; ++l) {
-      const double X[3] = {at[0][l], at[1][l], at[2][l]};
-      points.softening[b][l] = law.softening_at(above_grain(record, 0, X), above_grain(record, 1, X));
-    }
-  }
 }
 
 std::string read_point_states(PointStore& points, const std::shared_ptr<const Law>& shared) {
@@ -142,24 +129,24 @@ std::string read_point_states(PointStore& points, const std::shared_ptr<const La
       if (!(m.occupied >> l & 1)) continue;
       if (other)
         trouble = text_of("a state of 'damage ", name_of_law(number), "', from which 'damage ", law.name(), "' cannot go on; keep the law");
-      else if (number == 0) trouble = convert_file_tensor(points, kLanes * b + l, law);
+      else if (number == 0) trouble = convert_file_tensor(points, kLanes * b + l, law_of_block(points, law, b));
       if (!trouble.empty()) trouble = text_of("material point ", points.tags[b][l], " has ", trouble);
     }
   }
   if (trouble.empty()) points.set_law(shared);
-  const auto beyond_cutoff = [&](const auto& l) {
-    for (int b = 0; b < static_cast<int>(points.meta.size()); ++b) {
+  const auto find_beyond_cutoff = [&](const auto& l, int first, int last) {
+    for (int b = first; b < last && trouble.empty(); ++b) {
       const BlockMeta& m = points.meta[b];
       if (!m.damaged) continue;
       const vd most = largest_damage_of(points, b, l);
       for (int k = 0; k < kLanes; ++k)
-        if (m.occupied >> k & 1 && !(m.failed >> k & 1) && most[k] > law.cutoff() * (1.0 + 1e-9))
-          return text_of("material point ", points.tags[b][k], " has damage ", most[k], ", above the cut-off ", law.cutoff(),
-                         "; raise 'cutoff' or mark such points as failed in the file of create_cement");
+        if (m.occupied >> k & 1 && !(m.failed >> k & 1) && most[k] > l.cutoff() * (1.0 + 1e-9) && trouble.empty())
+          trouble = text_of("material point ", points.tags[b][k], " has damage ", most[k], ", above the cut-off ", l.cutoff(),
+                            "; raise 'cutoff' or mark such points as failed in the file of create_cement");
     }
-    return std::string();
   };
-  return trouble.empty() ? with_law(law, beyond_cutoff) : trouble;
+  if (trouble.empty()) for_each_material(points, law, find_beyond_cutoff);
+  return trouble;
 }
 
 }  // namespace mpdem

@@ -33,16 +33,14 @@ template <class L>
 vd softening_of(const PointStore& points, int b, const L& law) {
   return points.softening.empty() ? splat(law.softening()) : points.softening[b];
 }
-// Finds the softening of all points of the bond with this record. The store must know its law.
-void find_softening(PointStore& points, const BondRecord& record);
 
-// Stress of a block in its present state, zero in failed lanes.
+// Stress of a block in its present state, with its drawn factor of the moduli, zero in failed lanes.
 template <class L>
 Sym3<vd> stress_of(const PointStore& points, int b, const L& law) {
   const PointBlock& p = points.blocks[b];
   const BlockMeta& m = points.meta[b];
   const Sym3<vd> s = m.damaged ? law.stress(p.strain, state_of<L>(points, b)) : law.elasticity().stress(p.strain);
-  return blend(lanes(m.failed), Sym3<vd>{}, s);
+  return blend(lanes(m.failed), Sym3<vd>{}, points.scatter.empty() ? s : points.scatter[b].stiffness * s);
 }
 
 // Largest damage of each point of a block that has damage, from 0 to 1.

@@ -81,6 +81,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   BlockMeta& m = meta[b];
   const std::uint8_t bit = static_cast<std::uint8_t>(1u << l);
   m.occupied |= bit;
+  m.material = static_cast<std::uint8_t>(r.material);
   if (r.failed) m.failed |= bit;
   if (r.split_checked) m.split_checked |= bit;
   if (r.distorted) m.distorted |= bit;
@@ -123,8 +124,9 @@ void PointStore::set_state(int slot, const double* numbers) {
 }
 
 int PointStore::add(const PointRecord& r, int tag) {
-  // A block of the tail has points of one bond and layer, as all blocks do.
-  const bool fresh = blocks.size() == arranged_blocks_ || tail_lanes_ == kLanes || meta.back().row != r.row || meta.back().layer != r.layer;
+  // A block of the tail has points of one bond, layer and material, as all blocks do.
+  const bool fresh = blocks.size() == arranged_blocks_ || tail_lanes_ == kLanes || meta.back().row != r.row ||
+                     meta.back().layer != r.layer || meta.back().material != r.material;
   if (fresh) {
     if (blocks.empty()) law_number_ = r.law;
     append_block();
@@ -152,6 +154,7 @@ PointRecord PointStore::record(int slot) const {
   PointRecord r;
   r.row = meta[b].row;
   r.layer = meta[b].layer;
+  r.material = meta[b].material;
   r.failed = meta[b].failed >> l & 1;
   r.split_checked = meta[b].split_checked >> l & 1;
   r.distorted = meta[b].distorted >> l & 1;
@@ -216,6 +219,7 @@ void PointStore::reserve_like(const PointStore& other, std::size_t n) {
   if (!other.slip.empty()) slip.reserve(n);
   if (!other.root_of_norm.empty()) root_of_norm.reserve(n);
   if (!other.softening.empty()) softening.reserve(n);
+  if (!other.scatter.empty()) scatter.reserve(n);
 }
 
 // Adds a record with its links and contact points. Slots must ascend from call to call.
@@ -249,6 +253,7 @@ void PointStore::append_block() {
   if (!slip.empty()) slip.emplace_back(PointSlip{});
   if (!root_of_norm.empty()) root_of_norm.push_back(splat(kUnknown));
   if (!softening.empty()) softening.emplace_back(vd{});
+  if (!scatter.empty()) scatter.emplace_back();
   meta.emplace_back();
   tags.emplace_back();
   tags.back().fill(0);
@@ -283,6 +288,11 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
     if (softening.empty()) softening.resize(blocks.size());
     softening[to][new_lane] = from.softening[b][l];
   }
+  if (!from.scatter.empty()) {
+    if (scatter.empty()) scatter.resize(blocks.size());
+    copy(scatter[to], from.scatter[b]);
+  }
+  meta[to].material = from.meta[b].material;
   double numbers[kMostStateFields] = {};
   for (int i = 0; i < from.state_fields_; ++i) numbers[i] = from.state(b)[i][l];
   set_state(new_slot, numbers);
@@ -310,6 +320,7 @@ void PointStore::empty_lane(int slot, double cell, Basis basis) {
   const int b = slot / kLanes, l = slot % kLanes;
   const double middle = cell_middle(basis);
   PointRecord nothing;
+  nothing.material = meta[b].material;
   for (int d = 0; d < 3; ++d) nothing.X[d] = (meta[b].base[d] + middle) * cell;
   set(slot, nothing, 0);
   const std::uint8_t others = static_cast<std::uint8_t>(~(1u << l));

@@ -66,6 +66,13 @@ struct BlockMeta {
   std::uint8_t second = 0, third = 0;  // lanes in the second and the third cell of the row
   Lattice lattice = Lattice::none;     // arrangement of its points, with empty lanes at matching positions
   bool damaged = false;                // some lane failed, or has a state of the law that is not 0
+  std::uint8_t material = 0;           // number of the material of its points, see Law::of_material()
+};
+
+// Drawn factors of eight points (material/scatter.h). strength: on the threshold of damage for the stress of a material without scatter
+// of its moduli: that of a law of degree 2 has the factor of the moduli in its denominator.
+struct PointScatter {
+  vd stiffness = splat(1.0), strength = splat(1.0);
 };
 
 // Prefetches memory for writing. Always inlined: GCC takes a function with no other effect for one without any effect.
@@ -137,6 +144,7 @@ class PointStore {
   static constexpr double kUnknown = -1.0;
   // Softening of the points (material/law.h) by positions of creation, set with the layout. Empty if all have the same.
   std::vector<vd> softening;
+  std::vector<PointScatter> scatter;  // set with the layout; empty without scatter
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
   std::vector<Link> links;             // ascending in slot
@@ -149,7 +157,7 @@ class PointStore {
   int add(const PointRecord& r, int tag);
   PointRecord record(int slot) const;
 
-  // Sorts all points into blocks of one cell, in the order bond, layer, cell, tag. Returns the new slot of each old
+  // Sorts all points into blocks of one cell and one material, in the order bond, layer, material, cell, tag. Returns the new slot of each old
   // slot, -1 for an empty one. Order and blocks depend on the points alone, not on the order of their arrival. Links
   // and contact points are moved with them.
   // new_layer: the new layer of some slots (ascending).
@@ -234,6 +242,10 @@ class PointStore {
   // Sorts the links by slot after moves. new_index[i] is the new index of link i.
   std::vector<int> sort_links();
 
+  // Drawn factors of the points of a block, 1 without scatter.
+  vd stiffness_factor(int b) const { return scatter.empty() ? splat(1.0) : scatter[b].stiffness; }
+  vd strength_factor(int b) const { return scatter.empty() ? splat(1.0) : scatter[b].strength; }
+
   // Positions at which the points of a block were created.
   const vd* created_at(int b) const { return motion.empty() ? blocks[b].X : motion[b].X0; }
 
@@ -252,6 +264,7 @@ class PointStore {
     f(s.slip);
     f(s.root_of_norm);
     f(s.softening);
+    f(s.scatter);
     f(s.meta);
     f(s.tags);
     f(s.links);
@@ -266,6 +279,7 @@ class PointStore {
     if (!s.slip.empty()) f(s.slip, 1);
     if (!s.root_of_norm.empty()) f(s.root_of_norm, 1);
     if (!s.softening.empty()) f(s.softening, 1);
+    if (!s.scatter.empty()) f(s.scatter, 1);
     f(s.meta, 1);
     f(s.tags, 1);
   }

@@ -57,6 +57,7 @@ class PointStress {
         law_(law),
         result_(result),
         limit_(limit.empty() ? nullptr : limit.data()),
+        scatter_(points.scatter.empty() ? nullptr : points.scatter.data()),
         always_(!options.skip_undamaged),
         nonlocal_(options.nonlocal) {
     if constexpr (L::kFields > 0) {
@@ -78,10 +79,12 @@ class PointStress {
     const PointBlock& p = points_.blocks[b];
     if constexpr (L::kFields == 0) {
       stress = law_.elasticity().stress(p.strain);
+      if (scatter_) stress = scatter_[b].stiffness * stress;
     } else {
       const BlockMeta& m = points_.meta[b];
       if (m.damaged || always_) return stress_with_damage(b, strain_start, nonlocal_ ? average() : vd{}, stress);
       stress = law_.elasticity().stress(p.strain);
+      if (scatter_) return stress_with_scatter(b, strain_start, average, stress);
       const double B = m.linked ? weakest_ : B_;
       const vd rough = L::rough_bound(stress, p.strain);
       if (!nonlocal_)
@@ -117,6 +120,29 @@ class PointStress {
   using State = typename L::State;
   static constexpr int kVectors = kMost / kLanes + 1;
 
+  // Does what operator() does, for an undamaged block with drawn factors. `stress` is that without factors. With nonlocal damage a
+  // strong point may raise the average at a weak one, so averages are always needed.
+  template <class Average>
+  __attribute__((noinline)) bool stress_with_scatter(int b, const Sym3<vd>& strain_start, const Average& average, Sym3<vd>& stress) {
+    const PointBlock& p = points_.blocks[b];
+    const BlockMeta& m = points_.meta[b];
+    if constexpr (L::kFields > 0) {
+      const vd strength = scatter_[b].strength * select(lanes(m.linked), splat(law_.interface()), splat(1.0));
+      if (nonlocal_) {
+        result_.near_threshold = true;
+        const vd of_drive = average();
+        if (any(lanes(m.occupied) & (of_drive > root_of_drive<L>(law_.lowest_threshold() * strength))))
+          return stress_with_damage(b, strain_start, of_drive, stress);
+      } else {
+        const vd B = B_ * strength;
+        if (any(L::rough_bound(stress, p.strain) > B * B) && any(L::square_bound(stress, p.strain) > B * B))
+          return stress_with_damage(b, strain_start, vd{}, stress);
+      }
+    }
+    stress = scatter_[b].stiffness * stress;
+    return true;
+  }
+
   // Does what operator() does, for a block that has damage or may get some. average: of the root of the norm of strain, if nonlocal.
   __attribute__((noinline)) bool stress_with_damage(int b, const Sym3<vd>& strain_start, vd average, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
@@ -125,6 +151,10 @@ class PointStress {
     vd strength = select(lanes(m.linked), splat(law_.interface()), splat(1.0));
     const LawTrial t = law_.trial(p.strain, state_of<L>(points_, b), softening_of(points_, b, law_));
     stress = blend(active, t.stress, Sym3<vd>{});
+    if (scatter_) {
+      strength *= scatter_[b].strength;
+      stress = scatter_[b].stiffness * stress;
+    }
     if (nonlocal_) {
       if (!result_.near_threshold)
         note_near_threshold(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
@@ -177,8 +207,13 @@ class PointStress {
       if (!u.grown[k]) continue;
       QueuedBlock& w = queue_[place_[first + k] / kLanes];
       const int b = w.block, l = place_[first + k] % kLanes;
-      const double volume = points_.blocks[b].volume[l];
+      double volume = points_.blocks[b].volume[l];
       copy(&w.stress, l, &u.stress, k, 6);
+      if (scatter_) {
+        const double stiffness = scatter_[b].stiffness[l];
+        for (int i = 0; i < 6; ++i) reinterpret_cast<double*>(&w.stress)[kLanes * i + l] *= stiffness;
+        volume *= stiffness;  // counts for the energies below
+      }
       copy(points_.change_state(b), l, &v.state, k, L::kFields);
       points_.meta[b].damaged = true;
       result_.near_threshold = true;
@@ -194,6 +229,7 @@ class PointStress {
   const L& law_;
   AdvanceResult& result_;
   const vd* limit_;                             // Grid::drive_limit of each block; null: square_near_ for all
+  const PointScatter* scatter_;                 // null without scatter
   double B_, weakest_, growth_;                 // B_: threshold of blocks that touch no grain, weakest_: of others
   double square_near_, root_B_, root_weakest_;  // Yeq^2 near the threshold; least averages with which damage grows, as B_ and weakest_
   bool always_, nonlocal_;

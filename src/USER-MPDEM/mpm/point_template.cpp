@@ -16,6 +16,7 @@ PointRecord PointTemplate::record(std::size_t n, int row, const BondRecord& reco
   r.volume = p.volume;
   r.links = p.links;
   r.film = p.film;
+  r.material = p.material;
   for (int k = 0; k < p.links; ++k) {
     r.link[k].grain = record.grain[p.link[k].side];
     std::copy(p.link[k].foot, p.link[k].foot + 3, r.link[k].foot);

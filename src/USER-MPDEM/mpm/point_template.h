@@ -30,6 +30,7 @@ struct TemplatePoint {
   double X[3] = {0, 0, 0}, volume = 0;
   int links = 0;
   bool film = false;
+  int material = 0;
   Attachment link[kMaxLinks];
 
   template <class Self, class Visitor>
@@ -37,6 +38,7 @@ struct TemplatePoint {
     visit("its position", p.X, kFinite);
     visit("its volume", p.volume, kPositive);
     visit("'is film'", p.film);
+    visit("the number of its material", p.material, from(0, kMostMaterials - 1));
     const int n = visit.length("its number of links", p.links, kMaxLinks);
     for (int k = 0; k < n; ++k) visit.part(p.link[k]);
   }

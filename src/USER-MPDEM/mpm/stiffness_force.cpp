@@ -5,6 +5,7 @@
 #include "../material/laws.h"
 #include "block_nodes.h"
 #include "gather.h"
+#include "material_runs.h"
 #include "point_stress.h"
 #include "scatter.h"
 
@@ -21,17 +22,20 @@ Sym3<vd> small_strain(const PointBlock& p, const int* column, const W& weights, 
 }
 
 template <class Type, class L>
-void add_products(const PointStore& points, const Grid& grid, const L& law, const StiffPoints& which, const double* x, double* out) {
-  const std::size_t count = which.blocks ? which.blocks->size() : points.blocks.size();
-  for (std::size_t n = 0; n < count; ++n) {
-    const std::size_t b = which.blocks ? (*which.blocks)[n] : n;
+void add_products(const PointStore& points, int first, int last, const Grid& grid, const L& law, const StiffPoints& which, const double* x,
+                  double* out) {
+  const int count = which.blocks ? static_cast<int>(which.blocks->size()) : last - first;
+  for (int n = 0; n < count; ++n) {
+    const int b = which.blocks ? (*which.blocks)[n] : first + n;
+    if (b < first || b >= last) continue;
     const BlockMeta& m = points.meta[b];
     if (m.failed == m.occupied && !which.failed_as_undamaged) continue;
     const PointBlock& p = points.blocks[b];
     with_gradient_weights<Type>(p, m, 1.0 / grid.h, [&](const auto& s) {
       const Sym3<vd> strain = small_strain(p, m.column, s, x);
-      Sym3<vd> t = m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
+      Sym3<vd> t = m.damaged ? law.stress(strain, state_of<L>(points, b)) : law.elasticity().stress(strain);
       if (which.failed_as_undamaged) t = blend(lanes(m.failed), law.elasticity().stress(strain), t);
+      if (!points.scatter.empty()) t = points.scatter[b].stiffness * t;
       const vd live = which.failed_as_undamaged ? p.volume : select(lanes(m.failed), vd{}, p.volume);
       scatter_gradient(out, m.column, s, weighted_piola(p.F, p.q, t, live));
     });
@@ -53,15 +57,16 @@ void add_squares(const W& s, const int* column, vd stiffness, double* diagonal) 
 
 void add_stiffness_diagonal(const PointStore& points, const Grid& grid, const Law& law, double* diagonal) {
   std::vector<double> own(grid.size(), 0.0);
-  const double most = law.elasticity().largest_stiffness();
-  with_law(law, [&](const auto& l) {
+  for_each_material(points, law, [&](const auto& l, int first, int last) {
+    const double most = l.elasticity().largest_stiffness();
     with_basis(grid.basis, [&](auto type) {
-      for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      for (int b = first; b < last; ++b) {
         const BlockMeta& m = points.meta[b];
         if (m.failed == m.occupied) continue;
         vd stiffness = most * select(lanes(m.failed), vd{}, points.blocks[b].volume);
+        if (!points.scatter.empty()) stiffness *= points.scatter[b].stiffness;
         if (m.damaged) {
-          const vd left = 1.0 - largest_damage_of(points, static_cast<int>(b), l);
+          const vd left = 1.0 - largest_damage_of(points, b, l);
           stiffness *= left * left;
         }
         with_weights<decltype(type)>(points.blocks[b], m, 1.0 / grid.h,
@@ -76,8 +81,8 @@ void add_stiffness_diagonal(const PointStore& points, const Grid& grid, const La
 
 void add_stiffness_force(const PointStore& points, const Grid& grid, const Law& law, const double* x, double* out,
                          const StiffPoints& which) {
-  with_law(law, [&](const auto& l) {
-    with_basis(grid.basis, [&](auto type) { add_products<decltype(type)>(points, grid, l, which, x, out); });
+  for_each_material(points, law, [&](const auto& l, int first, int last) {
+    with_basis(grid.basis, [&](auto type) { add_products<decltype(type)>(points, first, last, grid, l, which, x, out); });
   });
 }
 

@@ -6,6 +6,7 @@
 
 #include "../material/laws.h"
 #include "block_nodes.h"
+#include "material_runs.h"
 #include "point_state.h"
 
 namespace mpdem {
@@ -167,13 +168,14 @@ void StiffnessMatrix::add_product(int rows, int columns) {
 }
 
 template <class Type, class L>
-void StiffnessMatrix::add_blocks(const PointStore& points, const L& law) {
+void StiffnessMatrix::add_blocks(const PointStore& points, int first, int last, const L& law) {
   std::vector<int> nodes;
   std::vector<Strains> strains;  // of each unknown of the block
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+  for (int b = first; b < last; ++b) {
     const PointBlock& p = points.blocks[b];
     const BlockMeta& m = points.meta[b];
     if (!is_stiff(m)) continue;
+    const vd weight_of_stress = points.scatter.empty() ? p.volume : p.volume * points.scatter[b].stiffness;
     nodes.clear();
     for_each_node(grid_, m, [&](int node) { nodes.push_back(node); });
     set_.clear();
@@ -204,7 +206,7 @@ void StiffnessMatrix::add_blocks(const PointStore& points, const L& law) {
     int rows = 0;
     for (int n = 0; n < columns; ++n) {
       const Sym3<vd>& e = strains[n / 3][n % 3];
-      const Sym3<vd> t = p.volume * (m.damaged ? law.stress(e, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(e));
+      const Sym3<vd> t = weight_of_stress * (m.damaged ? law.stress(e, state_of<L>(points, b)) : law.elasticity().stress(e));
       rows = 0;
       for (int l = 0; l < kLanes; ++l) {
         if (!(live >> l & 1)) continue;
@@ -220,7 +222,9 @@ void StiffnessMatrix::add_blocks(const PointStore& points, const L& law) {
 }
 
 void StiffnessMatrix::add(const PointStore& points, const Law& law) {
-  with_law(law, [&](const auto& l) { with_basis(grid_.basis, [&](auto type) { add_blocks<decltype(type)>(points, l); }); });
+  for_each_material(points, law, [&](const auto& l, int first, int last) {
+    with_basis(grid_.basis, [&](auto type) { add_blocks<decltype(type)>(points, first, last, l); });
+  });
 }
 
 void StiffnessMatrix::add(const std::vector<int>& nodes, const std::vector<Spring>& springs) {

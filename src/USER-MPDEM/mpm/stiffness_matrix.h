@@ -90,7 +90,7 @@ class StiffnessMatrix {
   // Adds the matrix motion_^T load_ for the unknowns in set_, three columns each. It must be symmetric.
   void add_product(int rows, int columns);
   template <class Type, class L>
-  void add_blocks(const PointStore& points, const L& law);
+  void add_blocks(const PointStore& points, int first, int last, const L& law);
 
   const Grid& grid_;
   UnknownsOfNodes unknowns_;

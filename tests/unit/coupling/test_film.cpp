@@ -253,7 +253,7 @@ TEST(Film, FacesTakeTheirEnergyAndLetGo) {
   const CohesiveTraction faces({4e15, 4e15}, v);
   FilmOfPair f;
   double dissipated;
-  EXPECT_NEAR(imbalance(f, Vector(0, 0, 3e-6), 20000, &faces, dissipated), 0.0, 2e-3);
+  EXPECT_NEAR(imbalance(f, Vector(0, 0, 3e-6), 2000, &faces, dissipated), 0.0, 1e-6);
   EXPECT_FALSE(f.film.carries_load());
   const Film::Areas areas = f.film.areas();
   EXPECT_EQ(areas.inside, 0.0);
@@ -290,6 +290,17 @@ TEST(Film, TakesUpTheLogarithmOfALargeStretch) {
   EXPECT_NEAR(at_once.force_now()[2] / walked.ends[1].force[2], 1.0, 1e-3);  // the logarithm without its second term is 1 % off
 }
 
+// A column that stores more than its face takes snaps back within a step: what is too much is released.
+TEST(Film, EnergyBalancesWhereColumnsSnapBack) {
+  const CohesiveTraction faces = cohesive(2e7, 8.0);
+  for (int steps : {100, 1000}) {
+    FilmOfPair f(brittle(9.6e3));
+    double dissipated;
+    EXPECT_NEAR(imbalance(f, Vector(1e-6, 0, 2e-6), steps, &faces, dissipated), 0.0, 1e-4);
+    EXPECT_FALSE(f.film.carries_load());
+  }
+}
+
 // Between grains of any radii the faces, whose normals are askew to the columns, take and release what is spent.
 TEST(Film, FacesBetweenUnequalGrains) {
   const double Gn = 2.0;
@@ -297,7 +308,7 @@ TEST(Film, FacesBetweenUnequalGrains) {
   for (const Vector& way : {Vector(0, 0, 3e-6), Vector(4e-6, 0, 1e-6)}) {
     FilmOfPair f(undamaged(), Vector(0, 0, 1), 2.0 * kR);
     double dissipated;
-    EXPECT_NEAR(imbalance(f, way, 10000, &faces, dissipated), 0.0, 4e-3);
+    EXPECT_NEAR(imbalance(f, way, 2000, &faces, dissipated), 0.0, 1e-6);
     EXPECT_FALSE(f.film.carries_load());
     double area = 0.0;
     for (const Link& k : f.film.points.links) area += 0.5 * k.area;

@@ -12,6 +12,7 @@
 #include <array>
 #include <iterator>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "../../coupling/added_mass.h"
@@ -129,6 +130,11 @@ class Bonds {
  public:
   std::vector<BondRecord> table;         // bonds of all ranks
   std::vector<PointTemplate> templates;  // templates of bonds whose points are made later, the same on all ranks
+  // Materials that the script named, the same on all ranks; the first has number 1. words: its keywords and values, between blanks.
+  struct NamedMaterial {
+    std::string name, words;
+  };
+  std::vector<NamedMaterial> materials;
 
   // Iterators over the bonds with points or nodes on this rank, in ascending order of their rows. The address of a bond
   // does not change when others are added or dropped.

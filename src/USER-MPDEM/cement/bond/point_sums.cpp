@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "../../material/laws.h"
+#include "../../mpm/material_runs.h"
 #include "../../mpm/point_state.h"
 
 namespace mpdem {
@@ -12,12 +12,11 @@ namespace mpdem {
 namespace {
 
 template <class L>
-void add_points(const PointStore& points_of, const L& law, bool with_energy, PointSums& sums) {
-  constexpr std::size_t kAhead = 8;
-  const std::size_t n = points_of.blocks.size();
-  for (std::size_t b = 0; b < n; ++b) {
+void add_points(const PointStore& points_of, int first, int n, const L& law, bool with_energy, PointSums& sums) {
+  constexpr int kAhead = 8;
+  for (int b = first; b < n; ++b) {
     // Without energies, only one cache line of each block is read. That is cheap enough for every step.
-    if (with_energy && b + 1 < n) points_of.prefetch(static_cast<int>(b) + 1);
+    if (with_energy && b + 1 < n) points_of.prefetch(b + 1);
     if (!with_energy && b + kAhead < n) __builtin_prefetch(&points_of.blocks[b + kAhead].volume);
     const PointBlock& p = points_of.blocks[b];
     const BlockMeta& m = points_of.meta[b];
@@ -26,10 +25,10 @@ void add_points(const PointStore& points_of, const L& law, bool with_energy, Poi
     sums.volume += sum_lanes(p.volume);
     if (with_energy) {
       const vd alive = select(lanes(m.failed), vd{}, p.volume);
-      sums.elastic += sum_lanes(0.5 * alive * contract(stress_of(points_of, static_cast<int>(b), law), p.strain));
+      sums.elastic += sum_lanes(0.5 * alive * contract(stress_of(points_of, b, law), p.strain));
     }
     if (!m.damaged) continue;
-    const vd d = largest_damage_of(points_of, static_cast<int>(b), law);
+    const vd d = largest_damage_of(points_of, b, law);
     sums.damaged_volume += sum_lanes(p.volume * d);
     for (int l = 0; l < kLanes; ++l)
       if (m.occupied >> l & 1) sums.largest_damage = std::max(sums.largest_damage, d[l]);
@@ -39,7 +38,8 @@ void add_points(const PointStore& points_of, const L& law, bool with_energy, Poi
 }  // namespace
 
 void PointSums::add(const PointStore& points_of, const Law& of_any_kind, bool with_energy) {
-  with_law(of_any_kind, [&](const auto& law) { add_points(points_of, law, with_energy, *this); });
+  for_each_material(points_of, of_any_kind,
+                    [&](const auto& law, int first, int last) { add_points(points_of, first, last, law, with_energy, *this); });
 }
 
 void PointSums::add(const PointSums& other) {

@@ -63,7 +63,7 @@ struct Scene {
   const OwnComm comm;
   CementOptions options;
   const std::unique_ptr<const Formulation> formulation;
-  std::shared_ptr<const Law> law;
+  std::shared_ptr<const Law> law;            // of material 0; it has those of the others
   std::optional<PenaltyParameters> penalty;  // parameters of the links; none: no links
   bool elastic_grains = false;               // some bond has an elastic grain, see coupling/elastic_end.h
   double scaled_density = 0.0;               // density of the calcite times the mass scale
@@ -118,7 +118,7 @@ struct Scene {
   double shear_speed() const;
   // Largest dt^2 lambda of a stable step.
   double stability_limit() const { return formulation->stability_limit() / options.mass_order; }
-  // Upper bound of the largest eigenvalue of cement without constrained nodes; 0: none.
+  // Upper bound of the largest eigenvalue of cement without constrained nodes; 0: none is known.
   double eigenvalue_bound() const;
 
   std::vector<int> all_rows() const;

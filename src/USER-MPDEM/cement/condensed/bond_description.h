@@ -68,7 +68,11 @@ class BondDescription {
       numbers_.push_back(points.meta[b].failed);
       numbers_.push_back(points.meta[b].layer);
       numbers_.push_back(points.meta[b].linked);
+      numbers_.push_back(points.meta[b].material);
+      if (!points.scatter.empty()) add_vectors(&points.scatter[b], 2, 1.0);
     }
+    if (!points.scatter.empty())
+      for (const vd& softening : points.softening) add_vectors(&softening, 1, 1.0);
     for (const vd& state : points.states()) add_vectors(&state, 1, 1.0);
     for (const Link& k : points.links) {
       add(k.foot, 3, h);

@@ -46,8 +46,14 @@ bool is_too_heavy(const CondensedModel& model, const BondRecord& record) {
 // Hash of the parameters on which all solutions depend.
 std::size_t hash_of_run(const PenaltyParameters& links, double scaled_density) {
   std::size_t hash = 0;
+  const auto add = [&hash](double number) { hash = (hash ^ std::hash<double>()(number)) * 0x9e3779b97f4a7c15ull; };
   for (double number : {links.law->stiffness().kn, links.law->stiffness().kt, static_cast<double>(links.at_surface), scaled_density})
-    hash = (hash ^ std::hash<double>()(number)) * 0x9e3779b97f4a7c15ull;
+    add(number);
+  for (int n = 1; n < links.law->materials(); ++n) {
+    const TractionStiffness& of_material = links.law->of_material(n).stiffness();
+    add(of_material.kn);
+    add(of_material.kt);
+  }
   return hash;
 }
 

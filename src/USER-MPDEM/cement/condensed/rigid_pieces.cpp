@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "../../coupling/relative_damping.h"
-#include "../../material/laws.h"
+#include "../../mpm/material_runs.h"
 #include "../../mpm/point_state.h"
 #include "condensed_fields.h"
 
@@ -36,13 +36,12 @@ int points_in_fragments(const PointStore& points) {
 
 double energy_of_fragments(const Bond& bond, const std::vector<signed char>& attached_grain, const Law& of_any_kind, double dt_last) {
   double energy = 0.0;
-  with_law(of_any_kind, [&](const auto& law) {
-    for (std::size_t b = 0; b < bond.points.meta.size(); ++b) {
+  for_each_material(bond.points, of_any_kind, [&](const auto& law, int first, int last) {
+    for (int b = first; b < last; ++b) {
       const int loose = lanes_in_fragments(bond.points.meta[b]);
       if (loose == 0) continue;
       const PointBlock& p = bond.points.blocks[b];
-      energy +=
-          sum_lanes(0.5 * select(lanes(loose), p.volume, vd{}) * contract(stress_of(bond.points, static_cast<int>(b), law), p.strain));
+      energy += sum_lanes(0.5 * select(lanes(loose), p.volume, vd{}) * contract(stress_of(bond.points, b, law), p.strain));
     }
   });
   const Grid& grid = bond.grid;

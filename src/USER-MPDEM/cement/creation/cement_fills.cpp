@@ -5,15 +5,13 @@
 #include <mpi.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 
 #include "../../parallel/agree.h"
 #include "../../parallel/all_to_all.h"
 #include "../../parallel/memory_limit.h"
 #include "../../parallel/ranks.h"
+#include "broadcast_file.h"
 #include "cement_maker.h"
 #include "point_file.h"
 
@@ -22,36 +20,6 @@ namespace mpdem {
 namespace {
 
 enum FillCheck { cells };  // checks of a bond in their order; cement_overlaps.cpp has the next ones
-
-// Collective. Returns the text of a file that only the first rank reads.
-std::string broadcast_file(MPI_Comm comm, const std::string& name, std::string& trouble) {
-  const int me = rank_in(comm);
-  std::string text;
-  long long size = -1;
-  int code = 0;
-  if (me == 0) {
-    std::FILE* f = std::fopen(name.c_str(), "rb");
-    if (f) {
-      char buffer[65536];
-      for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, f)) > 0;) text.append(buffer, n);
-      if (!std::ferror(f)) size = static_cast<long long>(text.size());
-      else code = errno;
-      std::fclose(f);
-    } else {
-      code = errno;
-    }
-  }
-  MPI_Bcast(&code, 1, MPI_INT, 0, comm);
-  MPI_Bcast(&size, 1, MPI_LONG_LONG, 0, comm);
-  if (size < 0) {
-    trouble = text_of("file '", name, "' cannot be read: ", std::strerror(code), "; check name and folder");
-    return text;
-  }
-  text.resize(size);
-  constexpr long long kMost = 1 << 30;  // MPI counts in int
-  for (long long at = 0; at < size; at += kMost) MPI_Bcast(&text[at], static_cast<int>(std::min(kMost, size - at)), MPI_CHAR, 0, comm);
-  return text;
-}
 
 void move_origin(std::vector<FillPoint>& points, const Vector3& to) {
   for (FillPoint& p : points) {
@@ -83,6 +51,7 @@ void CementMaker::fill_by_shape(Fill& f, double most) {
   if (!film.all) f.points = fill_with_points(plan_.resolved_of(shape), wish_.spacing, most, neighbours);
   const std::vector<FillPoint> of_film = fill_film(plan_.shape_of(shape).pair(), film, neighbours);
   f.points.insert(f.points.end(), of_film.begin(), of_film.end());
+  for (FillPoint& p : f.points) p.material = wish_.material_of(plan_.shape_of(shape).part_at(p.X));
   f.corner = Vector3(wish_.grid[0], wish_.grid[1], wish_.grid[2]);
   move_origin(f.points, f.corner);
   for (int c = 0; c < 3; ++c) f.record.lattice[c] = -f.corner[c];
@@ -101,6 +70,8 @@ void CementMaker::fill_by_file(Fill& f) {
   for (int s = 0; s < 2; ++s) o.tag[s] = bond.grain[s].tag;
   o.spacing = wish_.spacing;
   o.attach = wish_.attach;
+  o.material = wish_.material;
+  o.materials = wish_.materials;
   const double* first = bond.grain[0].x;
   o.to_bond = [&](const Vector3& x) -> Vector3 {
     return plan_.box().shortest(Vector3(x[0] - first[0], x[1] - first[1], x[2] - first[2])) + bond.pair.centre(0);
@@ -143,6 +114,9 @@ void CementMaker::fill_one(int fill, double most, BondTrouble& trouble) {
   }
   f.record.spacing = wish_.spacing;
   f.record.points = static_cast<int>(f.points.size());
+  f.record.material = f.points.empty() ? 0 : f.points.front().material;
+  for (const FillPoint& p : f.points)
+    if (p.material != f.record.material) f.record.material = kSeveralMaterials;
   f.box.setEmpty();
   for (const FillPoint& p : f.points) f.box.extend(p.X);
 }
@@ -197,7 +171,7 @@ void CementMaker::make_fills(const Batch& batch, BondTrouble& trouble) {
 
 // Shares the numbers of fills among all ranks. The rank that made a fill has them; the others add zero.
 void CementMaker::share_numbers(const std::vector<int>& fills) {
-  constexpr int kNumbers = 11;
+  constexpr int kNumbers = 12;
   std::vector<double> all(kNumbers * fills.size(), 0.0);
   for (std::size_t k = 0; k < fills.size(); ++k) {
     const Fill& f = fills_[fills[k]];
@@ -207,6 +181,7 @@ void CementMaker::share_numbers(const std::vector<int>& fills) {
     v[1] = f.record.volume;
     std::copy(f.record.attached_area, f.record.attached_area + 2, v + 2);
     v[4] = f.record.thickness;
+    v[11] = f.record.material;
     if (f.points.empty()) continue;
     for (int d = 0; d < 3; ++d) {
       v[5 + d] = f.box.min()[d];
@@ -223,6 +198,7 @@ void CementMaker::share_numbers(const std::vector<int>& fills) {
     f.record.volume = v[1];
     std::copy(v + 2, v + 4, f.record.attached_area);
     f.record.thickness = v[4];
+    f.record.material = static_cast<int>(v[11]);
     f.record.spacing = wish_.spacing;
     f.corner = Vector3(wish_.grid[0], wish_.grid[1], wish_.grid[2]);
     for (int c = 0; c < 3; ++c) f.record.lattice[c] = -f.corner[c];

@@ -99,7 +99,7 @@ void CementPlan::choose_axes(PlannedBond& bond) {
 }
 
 void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
-                      const std::function<void(CementRequest&)>& read_words) {
+                      const std::function<void(CementRequest&)>& read_words, const Choice& choice) {
   std::unordered_multimap<int, GrainToBond> grain_of;
   for (const GrainToBond& g : gather_all(comm_, grains)) grain_of.emplace(g.tag, g);
   std::unordered_map<std::string, int> kinds;
@@ -133,24 +133,37 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
     if (wish_.file.empty()) choose_axes(bond);  // points of a file lie along the axes of the box
     const std::string far = error_of_position(bond, wish_.spacing);
     if (!far.empty()) trouble.tell(n, position_of_points, prefix(bond) + far);
-    bond.kind = kind_of(bond, kinds);
     bonds_.push_back(bond);
   }
+  if (wish_.contents.acts() && trouble.text.empty()) choose_contents(choice);
+  for (std::size_t n = 0; n < bonds_.size(); ++n) bonds_[n].kind = kind_of(n, kinds);
   if (wish_.file.empty()) measure_kinds(trouble);
   trouble.stop(comm_);
   share_kinds();
 }
 
+// Leaves out pairs that get no cement.
+void CementPlan::choose_contents(const Choice& choice) {
+  const std::vector<double> contents = choice(*this);
+  std::vector<PlannedBond> kept;
+  for (std::size_t n = 0; n < bonds_.size(); ++n) {
+    bonds_[n].content = contents[n];
+    if (contents[n] > 0.0) kept.push_back(bonds_[n]);
+  }
+  bonds_.swap(kept);
+}
+
 // Kinds are compared bitwise. Each bond with points of a file is a kind of its own.
-int CementPlan::kind_of(const PlannedBond& bond, std::unordered_map<std::string, int>& kinds) {
+int CementPlan::kind_of(std::size_t n, std::unordered_map<std::string, int>& kinds) {
+  const PlannedBond& bond = bonds_[n];
   const GrainPair& p = bond.pair;
-  const double numbers[] = {p.R1, p.R2, p.gap, p.n[0], p.n[1], p.n[2], bond.grain[0].mass + bond.grain[1].mass};
+  const double numbers[] = {p.R1, p.R2, p.gap, p.n[0], p.n[1], p.n[2], bond.grain[0].mass + bond.grain[1].mass, bond.content};
   std::string key(reinterpret_cast<const char*>(numbers), sizeof numbers);
-  if (!wish_.file.empty()) key += std::to_string(bonds_.size());
+  if (!wish_.file.empty()) key += std::to_string(n);
   const auto known = kinds.emplace(std::move(key), static_cast<int>(kinds_.size()));
   if (known.second) {
     kinds_.emplace_back();
-    kinds_.back().first = bonds_.size();
+    kinds_.back().first = n;
   }
   return known.first->second;
 }
@@ -205,23 +218,49 @@ void CementPlan::share_kinds() {
   }
 }
 
+// An inner radius is needed: where rigid spheres touch, the stiffness of a film between them has no bound.
+double CementPlan::inner_of(const PlannedBond& bond) const {
+  return wish_.inner_rule == CementRequest::given          ? wish_.inner
+         : wish_.inner_rule == CementRequest::two_spacings ? bond.pair.radius_of_thickness(2.0 * wish_.spacing)
+                                                           : bond.pair.usual_inner(wish_.share);
+}
+
+// Bond content of a shape; 0 if it has another size.
+double CementPlan::content_of(const ShapeWords& words, const PlannedBond& bond) const {
+  const auto given = words.given.find("content");
+  return given == words.given.end() ? 0.0 : wish_.contents.acts() ? bond.content : given->second;
+}
+
+std::pair<double, double> CementPlan::content_bounds(const PlannedBond& bond) const {
+  const double to_content = wish_.density / (bond.grain[0].mass + bond.grain[1].mass);
+  // more than both grains hold
+  const double too_much = 1e3 * (std::pow(bond.pair.R1, 3) + std::pow(bond.pair.R2, 3));
+  for (const ShapeWords& w : wish_.shapes) {
+    if (!w.given.count("content")) continue;
+    try {
+      make_shape(w, bond.pair, too_much, inner_of(bond));
+    } catch (const VolumeError& e) {
+      // bounds themselves may be out of reach by rounding
+      constexpr double kInside = 1e-9;
+      return {e.least * (1.0 + kInside) * to_content, e.most * (1.0 - kInside) * to_content};
+    }
+  }
+  throw ShapeError("no shape has its size from 'content'");
+}
+
 const Shape& CementPlan::shape_of(int kind) {
   Kind& k = kinds_[kind];
   if (k.shape) return *k.shape;
   const PlannedBond& bond = bonds_[k.first];
   const double grain_mass = bond.grain[0].mass + bond.grain[1].mass;
-  // An inner radius is needed: where rigid spheres touch, the stiffness of a film between them has no bound.
-  const double inner = wish_.inner_rule == CementRequest::given          ? wish_.inner
-                       : wish_.inner_rule == CementRequest::two_spacings ? bond.pair.radius_of_thickness(2.0 * wish_.spacing)
-                                                                         : bond.pair.usual_inner(wish_.share);
+  const double inner = inner_of(bond);
   std::vector<std::unique_ptr<Shape>> made;
   for (const ShapeWords& w : wish_.shapes) {
-    const auto content = w.given.find("content");
-    const double volume = content == w.given.end() ? 0.0 : content->second * grain_mass / wish_.density;
+    const double asked = content_of(w, bond);
     try {
-      made.push_back(make_shape(w, bond.pair, volume, inner));
+      made.push_back(make_shape(w, bond.pair, asked * grain_mass / wish_.density, inner));
     } catch (const VolumeError& e) {
-      const double to_content = wish_.density / grain_mass, asked = content->second;
+      const double to_content = wish_.density / grain_mass;
       const bool per_cent = 0.01 * asked >= e.least * to_content && 0.01 * asked <= e.most * to_content;
       throw ShapeError(text_of("'content ", asked, "' must lie between ", e.least * to_content, " and ", e.most * to_content,
                                " here: it is the mass of the cement, of density ", wish_.density, ", over that of its two grains",

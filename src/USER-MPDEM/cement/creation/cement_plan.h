@@ -20,6 +20,7 @@
 
 #include "../../geometry/film_fill.h"
 #include "../../geometry/shape_styles.h"
+#include "contact_contents.h"
 #include "scene_box.h"
 
 namespace mpdem {
@@ -43,6 +44,15 @@ struct CementRequest {
   double grid[3] = {0, 0, 0};          // origin of the grid from the middle of the gap
   enum Overlap { error, skip, trim } overlap = error;
   bool later = false;  // true: points are made when they are needed
+  // Numbers of the materials: of points in no shape with one of its own, and of each shape, -1 if it has none. A point is of the first
+  // shape that contains it. materials: how many the scene has.
+  int material = 0, materials = 1;
+  std::vector<int> material_of_shape;
+  int material_of(int shape) const {
+    const std::size_t n = static_cast<std::size_t>(shape);
+    return n < material_of_shape.size() && material_of_shape[n] >= 0 ? material_of_shape[n] : material;
+  }
+  ContentWish contents;
 };
 
 struct GrainToBond {
@@ -58,6 +68,7 @@ struct PlannedBond {
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rotation from the axes of the bond to those of the box
   GrainPair pair;                                            // the pair in the axes of the bond
   int kind = 0;
+  double content = 0.0;  // bond content where CementRequest::contents acts, else as the shapes say
   // Position of the middle of the gap, at the periodic image of the first grain.
   Vector3 middle() const { return Vector3(grain[0].x[0], grain[0].x[1], grain[0].x[2]) - turn * pair.centre(0); }
 };
@@ -84,11 +95,13 @@ class CementPlan {
  public:
   CementPlan(MPI_Comm comm, const SceneBox& box) : comm_(comm), box_(box) {}
 
+  // Returns the contents of all pairs, 0 where there is no cement.
+  using Choice = std::function<std::vector<double>(const CementPlan&)>;
   // Collective. Plans bonds between these pairs. grains: grains of this rank that the pairs name. before: pairs that
-  // have cement, ascending. read_words: called once the first pair has been checked. It sets the options. Throws
-  // BadState.
+  // have cement, ascending. read_words: called once the first pair has been checked. It sets the options.
+  // choice: called then if CementRequest::contents acts. Throws BadState.
   void make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
-            const std::function<void(CementRequest&)>& read_words);
+            const std::function<void(CementRequest&)>& read_words, const Choice& choice = {});
 
   // Bonds of bitwise identical radii, gap, direction in the axes of the bond, and mass of the grains.
   struct Kind {
@@ -111,6 +124,8 @@ class CementPlan {
   const std::vector<PlannedBond>& bonds() const { return bonds_; }
   const Kind& kind_of(std::size_t bond) const { return kinds_[bonds_[bond].kind]; }
   double points_expected(std::size_t bond) const;
+  // Least and largest content that the shape with `content` allows between these grains. Throws ShapeError.
+  std::pair<double, double> content_bounds(const PlannedBond& bond) const;
   // Makes the shape when it is first asked for. Throws ShapeError.
   const Shape& shape_of(int kind);
   // The part of the shape that cells fill, and its film. None of it is left for cells if FilmFill::all.
@@ -125,8 +140,11 @@ class CementPlan {
   static std::string prefix(const PlannedBond& bond);
   std::string trouble_of_geometry(PlannedBond& bond) const;
   static void choose_axes(PlannedBond& bond);
-  int kind_of(const PlannedBond& bond, std::unordered_map<std::string, int>& kinds);
+  int kind_of(std::size_t bond, std::unordered_map<std::string, int>& kinds);
   static std::string error_of_position(const PlannedBond& bond, double length);
+  void choose_contents(const Choice& choice);
+  double inner_of(const PlannedBond& bond) const;
+  double content_of(const ShapeWords& words, const PlannedBond& bond) const;
   void measure_kinds(BondTrouble& trouble);
   void share_kinds();
 

@@ -28,7 +28,7 @@ Group group(const char* const (&names)[n]) {
 const Group kPosition = group(PointRow::kPlace), kAxis = group(PointRow::kAxis), kTensor = group(PointRow::kDamage),
             kPrincipal = {"d1", "d2", "d3", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z"}, kFailed = group(PointRow::kFailed),
             kGrains = group(PointRow::kGrain), kArea = group(PointRow::kArea), kFoot = group(PointRow::kFoot),
-            kAttached = group(PointRow::kAttached), kLinkDamage = group(PointRow::kLinkDamage);
+            kAttached = group(PointRow::kAttached), kLinkDamage = group(PointRow::kLinkDamage), kMaterial = group(PointRow::kMaterial);
 // Attached points can be centroids of cut cells. Foot points of patches can be those of neighbours.
 constexpr double kFurthestFoot = 4.0;  // spacings
 // Neither area nor volume of a point can be larger than what lies within that distance of it.
@@ -78,7 +78,8 @@ class Columns {
   Columns(const std::vector<std::string>& names, const std::string& where) : count_(names.size()) {
     std::map<std::string, const Group*> known;
     std::string list;
-    for (const auto* g : {&kPosition, &kAxis, &kTensor, &kPrincipal, &kFailed, &kGrains, &kArea, &kFoot, &kAttached, &kLinkDamage})
+    for (const auto* g :
+         {&kPosition, &kAxis, &kTensor, &kPrincipal, &kFailed, &kGrains, &kArea, &kFoot, &kAttached, &kLinkDamage, &kMaterial})
       for (const std::string& n : *g) {
         known[n] = g;
         list += (list.empty() ? "" : " ") + n;
@@ -129,6 +130,14 @@ bool flag(double v, const std::string& column, const std::string& where) {
 int grain_of(double v, const std::string& column, const std::string& where) {
   if (v != std::floor(v) || v < 1.0 || v > std::numeric_limits<int>::max())
     stop(where, "column '", column, "' is ", v, "; the ID of a grain is needed, a whole number of at least 1");
+  return static_cast<int>(v);
+}
+
+// Returns the number of a material; text says what is wrong.
+int material_of(double v, int materials, const std::string& where) {
+  if (v != std::floor(v) || v < 0.0 || v >= materials)
+    stop(where, "column '", PointRow::kMaterial[0], "' is ", v, "; the scene has ", materials, " materials, numbers 0 (of fix mpm) to ",
+         materials - 1, " in the order of the commands cement_material");
   return static_cast<int>(v);
 }
 
@@ -228,7 +237,7 @@ class RowReader : public record_detail::Visitor<RowReader> {
       : columns_(columns), numbers_(numbers), where_(where) {}
   template <class T>
   void put(const char* name, T& field, Range) {
-    if (!columns_.has(std::string(name))) return;
+    if (!columns_.has(std::string(name)) || name == std::string(PointRow::kMaterial[0])) return;
     const double v = numbers_[columns_.of(name)];
     if constexpr (std::is_same_v<T, bool>) field = flag(v, name, where_);
     else if constexpr (std::is_same_v<T, int>) field = grain_of(v, name, where_);
@@ -295,6 +304,7 @@ class PointFile {
     PointRow row;
     row.has_axis = columns_.has(kAxis);
     row.has_link_damage = columns_.has(kLinkDamage);
+    row.has_material = columns_.has(kMaterial);
     RowReader reader(columns_, numbers, where);
     PointRow::describe(row, reader);
     FillPoint p;
@@ -311,6 +321,7 @@ class PointFile {
     }
     take_damage(row, numbers, where, p);
     p.failed = row.failed;
+    p.material = row.has_material ? material_of(numbers[columns_.of(PointRow::kMaterial[0])], o_.materials, where) : o_.material;
     for (int s = 0; s < 2; ++s) attach(row, s, where, p);
     return p;
   }

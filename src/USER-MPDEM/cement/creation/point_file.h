@@ -35,7 +35,8 @@ namespace mpdem {
 struct PointFileOptions {
   int tag[2] = {0, 0};  // tags of the grains, ascending
   double spacing = 0;
-  double attach = 0;  // 0: one spacing
+  double attach = 0;                // 0: one spacing
+  int material = 0, materials = 1;  // number of the material of points where the file has no column of it; how many materials there are
   // Converts a position in the box to coordinates from the middle of the gap, for the nearest periodic image.
   std::function<Vector3(const Vector3&)> to_bond = [](const Vector3& x) { return x; };
 };

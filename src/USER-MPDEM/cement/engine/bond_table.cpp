@@ -2,6 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "bond_table.h"
 
+#include "../../mpm/point_scatter.h"
+
 namespace mpdem {
 
 namespace {
@@ -51,6 +53,24 @@ double touching_share(const BondShare& b) {
   return share_of_area(b, side, &PointStore::contacts, [](const ContactPoint& p) { return p.closed; });
 }
 
+// Share of this rank in the mean over the volume of the bond.
+template <class F>
+double mean_over_volume(const BondShare& b, F factor) {
+  double sum = 0.0;
+  for (const PointStore* store : {&b.bond.points, &b.bond.film.points})
+    for (std::size_t n = 0; n < store->blocks.size(); ++n) sum += sum_lanes(store->blocks[n].volume * factor(*store, static_cast<int>(n)));
+  return b.record.volume > 0.0 ? sum / b.record.volume : 0.0;
+}
+double mean_material(const BondShare& b) {
+  return mean_over_volume(b, [](const PointStore& points, int n) { return splat(points.meta[static_cast<std::size_t>(n)].material); });
+}
+double mean_strength(const BondShare& b) {
+  return mean_over_volume(b, [](const PointStore& points, int n) { return drawn_strength(points, n); });
+}
+double mean_moduli(const BondShare& b) {
+  return mean_over_volume(b, [](const PointStore& points, int n) { return points.stiffness_factor(n); });
+}
+
 // Scripts use the numbers of columns, so append new ones.
 std::vector<BondColumn> columns() {
   return {
@@ -95,6 +115,9 @@ std::vector<BondColumn> columns() {
       {"kinetic_share", "kinetic share of the energy of free grains and all cement", &CementTotals::kinetic_share},
       {"unbalanced_force", "unbalanced force of all free grains over the mean force of bonds and contacts",
        &CementTotals::unbalanced_force},
+      {"material", "mean over its volume of the number of the material, 0 for that of fix mpm", mean_material},
+      {"strength_factor", "mean over its volume of the factor that was drawn for the strength; 1 without scatter", mean_strength},
+      {"moduli_factor", "the same of the moduli", mean_moduli},
   };
 }
 

@@ -55,7 +55,9 @@ class Report {
   int bonds_solved() const { return condensed_.solved_last(); }                                    // at the last layout, on this rank
   const std::vector<int>& bonds_without_field() const { return condensed_.without_field_last(); }  // rows
   std::size_t memory_of_condensed() const { return condensed_.memory_usage(); }
-  std::size_t memory_usage() const { return scene_.bonds().memory_usage() + condensed_.memory_usage(); }  // bytes, on this rank
+  std::size_t memory_usage() const {
+    return scene_.bonds().memory_usage() + condensed_.memory_usage() + contact_.memory_usage();
+  }  // bytes, on this rank
 
   // Displacement and velocity of a block of points at the present time, in bond coordinates.
   struct PointMotionNow {

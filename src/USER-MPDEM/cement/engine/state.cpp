@@ -4,8 +4,10 @@
 // Restart of the state that points and grains do not store. cement_restart.h has the records.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <map>
+#include <stdexcept>
 
 #include "../../material/laws.h"
 #include "../../parallel/agree.h"
@@ -16,11 +18,24 @@ namespace mpdem {
 
 namespace {
 
+// A number that differs if the rules differ, and 0 without rules. It is exact in text and in a double.
+double number_of(const Scatter& scatter) {
+  std::size_t hash = 0;
+  for (const ScatterRule& r : scatter.rules)
+    for (double v : {static_cast<double>(r.what), static_cast<double>(r.distribution), r.parameter, r.length, static_cast<double>(r.seed)})
+      hash = (hash ^ std::hash<double>()(v)) * 0x9e3779b97f4a7c15ull + 1;
+  return static_cast<double>(hash >> 32);
+}
+
+constexpr int kScatterValue = Law::kMostWords - 1;  // where DamageLawSettings has that number, behind the values of the law
+
 DamageLawSettings law_of(const Law& law, const CementOptions& o) {
   DamageLawSettings now;
   now.law = law_number(law);
   const std::vector<double> values = law.values();
   std::copy(values.begin(), values.end(), now.value);
+  if (static_cast<int>(values.size()) > kScatterValue) throw std::logic_error("no room for scatter beside the values of a law");
+  now.value[kScatterValue] = number_of(law.scatter());
   now.length = law.length();
   now.energy = law.crack_energy();
   now.imperfection = o.imperfection;
@@ -96,6 +111,7 @@ std::string Cement::changed_options_since(const CementHead& head) const {
       all += text_of(all.empty() ? "'" : ", '", word, "' ", a, ", was ", b);
   };
   for (std::size_t n = 0; n < law.words.size(); ++n) compare(law.words[n].name, now.value[n], was.value[n]);
+  if (now.value[kScatterValue] != was.value[kScatterValue]) all += text_of(all.empty() ? "" : ", ", "the words of 'scatter'");
   compare("regularization nonlocal", now.length, was.length);
   compare("energy", now.energy, was.energy);
   compare("imperfection", now.imperfection, was.imperfection);

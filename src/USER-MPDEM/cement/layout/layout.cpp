@@ -8,6 +8,7 @@
 #include "../../geometry/frame_along.h"
 #include "../../geometry/radial_axis.h"
 #include "../../material/tensor_damage.h"
+#include "../../mpm/point_scatter.h"
 #include "../../mpm/point_state.h"
 #include "../../numerics/index_in.h"
 #include "../../parallel/agree.h"
@@ -105,6 +106,8 @@ class LayoutMaker {
       set_frames(l.points, *rules_.law, [&](const Vector3& X) { return axis_at(X, record, o); });
     }
     find_softening(l.points, record);
+    find_scatter(l.points, record);
+    scatter_softening(l.points, record);
     if (rules_.penalty) l.links = PenaltyLinks(l.points, record, *rules_.penalty, o.cell, rules_.density, o.basis);
   }
 

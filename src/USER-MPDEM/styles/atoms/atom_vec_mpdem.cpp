@@ -26,6 +26,7 @@ constexpr int kSphereNumbers = 17;  // numbers of an atom of style sphere, befor
 // Largest number of values of the state of an atom, the first of which is its kind. One more value gives their number.
 constexpr int kMostOfState = 1 + std::max(mpdem::kMostNumbers<mpdem::PointRecord>, mpdem::kMostNumbers<mpdem::GrainState>);
 constexpr int kBondNumbers = mpdem::kMostNumbers<mpdem::BondRecord>;
+constexpr bigint kMostMaterialBytes = 1000000;
 constexpr bigint kMostTemplateNumbers = std::numeric_limits<int>::max();  // limit of values of all templates, since MPI counts in int
 enum Kind {
   kNoState = 0,
@@ -83,7 +84,12 @@ void AtomVecMpdem::init() {
   points_excluded = false;
   unclaimed.finish(lmp);
   // `run 0` moves nothing, but LIGGGHTS drops the data of a restart file for fix mpm at the first run
-  if (update->whichflag == 0 || (update->nsteps == 0 && !is_in_motion()) || bonds.table.empty()) return;
+  if (update->whichflag == 0) return;
+  if (!coats.empty() && !has_fix("mpm"))
+    mpdem::stop_all(
+        lmp, mpdem::text_of("atom_style mpdem: grain ", coats.all()[0].grain, " has a coat, and fix mpm is not there, which gives it ",
+                            "its moment of inertia and contacts; define fix mpm before the run"));
+  if ((update->nsteps == 0 && !is_in_motion()) || bonds.table.empty()) return;
   // fix mpm/couple itself reports that its fix mpm is gone
   if (has_fix("mpm") || has_fix("mpm/couple") || !has_cement()) return;
   mpdem::stop_all(lmp,
@@ -393,6 +399,32 @@ void AtomVecMpdem::write_restart_settings(FILE* fp) {
   fwrite(&count, sizeof count, 1, fp);
   write_numbers(fp, packed_templates);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
+  const std::string materials = packed_materials();
+  const bigint bytes = static_cast<bigint>(materials.size());
+  fwrite(&bytes, sizeof bytes, 1, fp);
+  fwrite(materials.data(), 1, materials.size(), fp);
+  fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
+  coats.write(fp);
+}
+
+// A line with the name and one with the words for each material.
+std::string AtomVecMpdem::packed_materials() const {
+  std::string bytes;
+  for (const mpdem::Bonds::NamedMaterial& m : bonds.materials) bytes += m.name + "\n" + m.words + "\n";
+  return bytes;
+}
+
+// Returns false if these are not lines of that kind.
+bool AtomVecMpdem::unpack_materials(const std::string& bytes) {
+  bonds.materials.clear();
+  for (std::size_t at = 0; at < bytes.size();) {
+    const std::size_t first = bytes.find('\n', at), second = first == std::string::npos ? first : bytes.find('\n', first + 1);
+    if (second == std::string::npos || first == at || bonds.materials.size() + 1 == static_cast<std::size_t>(mpdem::kMostMaterials))
+      return false;
+    bonds.materials.push_back({bytes.substr(at, first - at), bytes.substr(first + 1, second - first - 1)});
+    at = second + 1;
+  }
+  return true;
 }
 
 std::vector<double> AtomVecMpdem::packed_bonds() const {
@@ -429,6 +461,13 @@ std::string AtomVecMpdem::read_bonds(FILE* fp) {
   std::vector<double> template_values(template_numbers);
   if (!read_numbers(fp, template_values)) return truncated;
   if (!marked()) return "the file is damaged in the templates of points" + cure;
+  bigint bytes = 0;
+  if (fread(&bytes, sizeof bytes, 1, fp) != 1) return truncated;
+  if (bytes < 0 || bytes > kMostMaterialBytes) return "the file is damaged in the materials" + cure;
+  std::string of_materials(static_cast<std::size_t>(bytes), ' ');
+  if (fread(&of_materials[0], 1, of_materials.size(), fp) != of_materials.size()) return truncated;
+  if (!unpack_materials(of_materials) || !marked()) return "the file is damaged in the materials" + cure;
+  if (const std::string why = coats.read_file(fp, numbers_left(fp)); !why.empty()) return why + cure;
   bonds.table.resize(count);
   mpdem::RecordReader in(numbers.data(), numbers.data() + numbers.size());
   for (mpdem::BondRecord& record : bonds.table) {
@@ -454,7 +493,7 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
   share_bonds();
 }
 
-// Broadcasts bond records and point templates of the first rank.
+// Broadcasts bond records, point templates and coats of the first rank.
 void AtomVecMpdem::share_bonds() {
   int count[3] = {static_cast<int>(bonds.table.size()), static_cast<int>(bonds.templates.size()), 0};
   std::vector<double> templates = mpdem::packed(bonds.templates);
@@ -469,6 +508,13 @@ void AtomVecMpdem::share_bonds() {
   MPI_Bcast(templates.data(), count[2], MPI_DOUBLE, 0, world);
   mpdem::RecordReader in(templates.data(), templates.data() + templates.size());
   mpdem::read(in, count[1], bonds.templates);
+  std::string materials = packed_materials();
+  int bytes = static_cast<int>(materials.size());
+  MPI_Bcast(&bytes, 1, MPI_INT, 0, world);
+  materials.resize(static_cast<std::size_t>(bytes));
+  MPI_Bcast(&materials[0], bytes, MPI_CHAR, 0, world);
+  unpack_materials(materials);
+  coats.share(world);
 }
 
 void AtomVecMpdem::create_atom(int itype, double* coord) {

@@ -23,6 +23,7 @@ AtomStyle(mpdem, AtomVecMpdem)
 #include "../../coupling/grain_state.h"
 #include "../../cement/bond/bond.h"
 #include "atom_vec_sphere.h"
+#include "grain_coats.h"
 #include "unclaimed_state.h"
 
 namespace LAMMPS_NS {
@@ -40,6 +41,7 @@ class AtomVecMpdem : public AtomVecSphere {
   mpdem::Bonds bonds;
   using GrainState = mpdem::GrainState;
   std::vector<GrainState> grains;
+  mpdem::GrainCoats coats;
   // State of other fixes for points made between read_restart and the first run.
   UnclaimedState unclaimed;
   // True if the script keeps points out of LIGGGHTS' bins, and so out of all neighbour lists. All atoms behind the
@@ -79,10 +81,11 @@ class AtomVecMpdem : public AtomVecSphere {
 
   // Head of the data of this style in a restart file: magic bytes, then version, values per bond record, number of
   // records, number of point templates, and whether a seal ends the file (only host/restart_seal.cpp writes it). Then
-  // follow the records, the magic bytes, the count of the values of the templates, these values, and the magic bytes
-  // again.
+  // follow the records, the magic bytes, the count of the values of the templates, these values, the magic bytes again,
+  // the number of bytes of the names and words of the materials, these bytes, the magic bytes again, and the coats of the
+  // grains (grain_coats.h).
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 28, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: index in the head
+  static constexpr int kRestartVersion = 29, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: index in the head
   static inline bool restart_is_sealed = false;  // set by host/restart_seal.cpp: the file that is written will get a seal
 
   // Rows of nodes, kNumbersOfRow values each, that the next restart file stores with the points of a bond on this rank.
@@ -133,6 +136,8 @@ class AtomVecMpdem : public AtomVecSphere {
   int unpack_state(int i, const double* buf);
   int size_of_state(int i) const;
   std::vector<double> packed_bonds() const;
+  std::string packed_materials() const;
+  bool unpack_materials(const std::string& bytes);
   std::string read_bonds(FILE* fp);
   void share_bonds();
   std::string trouble_in_atom(const double* buf, int total, int own) const;

@@ -37,8 +37,8 @@ void BondedAtoms::find(AtomVecMpdem& avec, BondedGrains& grains) {
     Grain& g = now[n];
     g.tag = atom.tag[i];
     g.mass = atom.rmass[i];
-    g.radius = atom.radius[i];
-    g.inertia = 0.4 * g.mass * g.radius * g.radius;
+    g.radius = avec.coats.bare_radius(g.tag, atom.radius[i]);
+    g.inertia = avec.coats.inertia(g.tag, atom.radius[i], g.mass);
     g.state = avec.grain(i);
     const PrescribedMotion p = prescribed_motion(lmp_, i);
     for (int d = 0; d < 6; ++d) g.free[d] = d < 3 ? !p.translation[d] : !p.rotation;

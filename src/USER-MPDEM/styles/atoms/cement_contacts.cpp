@@ -86,14 +86,14 @@ void CementContacts::search(AtomVecMpdem& avec, Cement& cement) {
     atoms_.push_back(i);
     bodies_.emplace_back();
     bodies_.back().tag = atom.tag[i];
-    bodies_.back().radius = atom.radius[i];
+    bodies_.back().radius = avec.coats.bare_radius(atom.tag[i], atom.radius[i]);
     double unwrapped[3];
     lmp_->domain->unmap(atom.x[i], atom.image[i], unwrapped);
     for (int d = 0; d < 3; ++d) bodies_.back().to_box[d] = atom.x[i][d] - unwrapped[d];
   }
   read_grains(avec);
   const Domain& domain = *lmp_->domain;
-  PieceContact::NearestImage nearest;
+  NearestImage nearest;
   if (domain.xperiodic || domain.yperiodic || domain.zperiodic)
     nearest = [this](double* d) {
       const Domain& box = *lmp_->domain;

@@ -15,6 +15,7 @@
 #include "input.h"
 #include "modify.h"
 #include "output.h"
+#include "pair_gran_proxy.h"
 #include "variable.h"
 
 namespace mpdem {
@@ -46,6 +47,7 @@ MPDEM_EXPOSE(Comm, int, bordergroup)
 MPDEM_EXPOSE(Output, bool, restart_flag)
 MPDEM_EXPOSE(Output, bigint, next_restart_single)
 MPDEM_EXPOSE(Output, bigint, next_restart_double)
+MPDEM_EXPOSE(PairGranProxy, ContactModel*, impl)
 MPDEM_EXPOSE(FixMove, int, mstyle)
 MPDEM_EXPOSE(FixMove, int, vxflag)
 MPDEM_EXPOSE(FixMove, int, vyflag)
@@ -80,6 +82,8 @@ ComputeStyles& compute_styles(Modify* modify) { return *(modify->*pointer(Modify
 CommandStyles& command_styles(Input* input) { return *(input->*pointer(Input_command_map())); }
 
 const char* file_of(const Dump* dump) { return dump->*pointer(Dump_filename()); }
+
+ContactModel*& model_of(PairGranProxy* contacts) { return contacts->*pointer(PairGranProxy_impl()); }
 
 int ghost_group(const Comm* comm) { return comm->*pointer(Comm_bordergroup()); }
 

@@ -23,8 +23,12 @@ class FixSetForce;
 class Input;
 class Modify;
 class Output;
+class PairGranProxy;
 class Variable;
 }  // namespace LAMMPS_NS
+namespace LIGGGHTS::PairStyles {
+class IGranularPairStyle;
+}
 
 namespace mpdem {
 
@@ -39,6 +43,10 @@ CommandStyles& command_styles(LAMMPS_NS::Input* input);
 
 // Returns the name of the file that a dump writes.
 const char* file_of(const LAMMPS_NS::Dump* dump);
+
+// Contact model of a pair style gran, which it deletes at its end.
+using ContactModel = LIGGGHTS::PairStyles::IGranularPairStyle;
+ContactModel*& model_of(LAMMPS_NS::PairGranProxy* contacts);
 
 // Returns the index of the group of `communicate ... group`, or 0 without one.
 int ghost_group(const LAMMPS_NS::Comm* comm);

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-#include "../../contact/piece_contact.h"
+#include "../../contact/contact_bodies.h"
 #include "lammps.h"
 
 namespace LAMMPS_NS {

@@ -11,15 +11,18 @@
 #include <unordered_set>
 
 #include "../../cement/creation/contacts.h"
-#include "../../geometry/frame_along.h"
 #include "../../parallel/gather_ranks.h"
 #include "atom.h"
 #include "../atoms/atom_vec_mpdem.h"
+#include "calcite_patterns.h"
+#include "coat_grains.h"
 #include "comm.h"
+#include "content_words.h"
 #include "domain.h"
 #include "../fixes/fix_mpm_couple.h"
 #include "group.h"
 #include "../guards/host_guards.h"
+#include "../words/material_words.h"
 #include "modify.h"
 #include "../atoms/point_atoms.h"
 #include "update.h"
@@ -50,7 +53,9 @@ std::vector<std::string> command_keywords() {
   for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
     for (const mpdem::ShapeOption& w : s.words)
       if (std::find(all.begin(), all.end(), w.name) == all.end()) all.push_back(w.name);
-  all.insert(all.end(), {"content", "file", "attach", "inner", "film", "spacing", "density", "type", "grid", "overlap", "points"});
+  all.insert(all.end(), {"content", "file", "attach", "inner", "film", "spacing", "material", "density", "grid", "overlap", "points", "type"});
+  const std::vector<std::string> contents = mpdem::content_words();
+  all.insert(all.end(), contents.begin(), contents.end());
   return all;
 }
 
@@ -67,23 +72,6 @@ std::vector<std::string> shapes_with(const std::string& word) {
     if (word.empty() || s.word(word)) names.push_back(s.name);
   return names;
 }
-
-// Sets a frame whose third axis is the axis of the elasticity, and the damage in its components.
-void set_frame(const FillPoint& p, mpdem::PointRecord& r) {
-  const Eigen::Quaterniond q = mpdem::frame_along(p.axis);
-  const double w[4] = {q.w(), q.x(), q.y(), q.z()};
-  std::copy(w, w + 4, r.q);
-  r.has_frame = true;
-  const double* D = p.damage;
-  Eigen::Matrix3d m;
-  m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
-  const Eigen::Matrix3d R = q.toRotationMatrix(), t = R.transpose() * m * R;
-  const double turned[6] = {t(0, 0), t(1, 1), t(2, 2), t(1, 2), t(0, 2), t(0, 1)};
-  std::copy(turned, turned + 6, r.damage);
-}
-
-// 2710 kg/m3 in the units of the script; 0 in units of unknown dimension.
-double density_of_calcite(const std::string& units) { return units == "si" ? 2710.0 : units == "cgs" || units == "micro" ? 2.71 : 0.0; }
 
 }  // namespace
 
@@ -112,7 +100,8 @@ std::vector<Sphere> CreateCement::spheres(int groupbit) const {
   std::vector<Sphere> mine;
   for (int i = 0; i < atom->nlocal; ++i)
     if ((atom->mask[i] & groupbit) && !avec->is_point(i))
-      mine.push_back({atom->tag[i], Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), atom->radius[i]});
+      mine.push_back(
+          {atom->tag[i], Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), avec->coats.bare_radius(atom->tag[i], atom->radius[i])});
   return mine;
 }
 
@@ -129,8 +118,8 @@ std::vector<GrainToBond> CreateCement::grains_of(const Pairs& pairs) const {
     g.is_point = avec->is_point(i);
     std::copy(atom->x[i], atom->x[i] + 3, g.x);
     domain->unmap(atom->x[i], atom->image[i], g.unwrapped);
-    g.radius = atom->radius[i];
-    g.mass = atom->rmass[i];
+    g.radius = avec->coats.bare_radius(g.tag, atom->radius[i]);
+    g.mass = avec->coats.bare_mass(g.tag, atom->rmass[i]);
     std::copy(atom->v[i], atom->v[i] + 3, g.v);
     std::copy(atom->omega[i], atom->omega[i] + 3, g.omega);
     if (!g.is_point) {
@@ -162,6 +151,10 @@ void CreateCement::read_word_of_shape(const std::string& key, Arguments& args, C
   const mpdem::ShapeOption* word = style.word(key);
   if (key != "content" && !word)
     args.complain("'" + key + "' belongs to 'shape " + joined(shapes_with(key), "' or 'shape ") + "', not to 'shape " + style.name + "'");
+  if (key == "content" && mpdem::read_spread(args, wish.contents)) {
+    wish.shapes.back().given[key] = 1.0;
+    return;
+  }
   const bool zero = word && word->range == mpdem::ShapeOption::not_negative;
   wish.shapes.back().given[key] = zero ? args.not_negative(key) : args.positive(key);
 }
@@ -171,9 +164,9 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
   bool has_inner = false, has_film = false;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
-    const bool of_shape = key == "content" || !shapes_with(key).empty();
+    const bool of_shape = key == "content" || !shapes_with(key).empty(), for_each_shape = of_shape || key == "material";
     // keywords of a shape may come once for each shape
-    if (key != "shape") args.once(key, !of_shape || wish.shapes.empty() ? "" : text_of("shape number ", wish.shapes.size()));
+    if (key != "shape") args.once(key, !for_each_shape || wish.shapes.empty() ? "" : text_of("shape number ", wish.shapes.size()));
     if (key == "shape") {
       wish.shapes.emplace_back();
       wish.shapes.back().style = mpdem::shape_style(args.choice(key, shapes_with("")));
@@ -201,17 +194,21 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
       wish.spacing = args.positive(key);
     } else if (key == "points") {
       wish.later = args.choice(key, {"now", "later"}) == "later";
+    } else if (key == "material") {
+      mpdem::take_material(args, AtomVecMpdem::of(lmp)->bonds.materials, wish);
     } else if (key == "density") {
       wish.density = args.positive(key);
+    } else if (mpdem::read_content_word(key, args, wish.contents)) {
     } else if (key == "type") {
       type_ = args.integer(key, 1);
     } else {
       args.unknown(key, command_keywords());
     }
   }
+  wish.materials = 1 + static_cast<int>(AtomVecMpdem::of(lmp)->bonds.materials.size());
   check_words(args, wish, has_inner, has_film);
-  if (wish.density == 0.0) wish.density = density_of_calcite(update->unit_style);
-  if (wish.density == 0.0) args.complain(text_of("keyword 'density' is missing: it has no default in units '", update->unit_style, "'"));
+  mpdem::check_contents(args, wish, patterns_ != nullptr);
+  if (wish.density == 0.0) wish.density = mpdem::density_of_calcite(lmp, args);
   density_ = wish.density;
   if (type_ == 0) type_ = atom->ntypes;
   if (type_ > atom->ntypes)
@@ -249,11 +246,14 @@ void CreateCement::command(int narg, char** arg) {
     args.complain(text_of("group '", name, "' holds ", grains, " grains; name a group for the cement alone, such as 'calcite'"));
   box_ = mpdem::scene_box(*domain);
   try {
-    if (args.keyword({"pair", "contacts"}) == "contacts") cement_contacts(args);
+    const std::string what = args.keyword({"pair", "contacts", "coat"});
+    if (what == "coat") mpdem::coat_grains(lmp, args, box_);
+    else if (what == "contacts") cement_contacts(args);
     else cement_pair(args);
   } catch (const mpdem::BadState& e) {
     mpdem::stop_all(lmp, e.what());
   }
+  AtomVecMpdem::of(lmp)->coats.touch_bare(cemented());
   for (int k = 0; k < modify->nfix; ++k)
     if (FixMpmCouple* fix = dynamic_cast<FixMpmCouple*>(modify->fix[k])) fix->count_bonds();
 }
@@ -267,7 +267,9 @@ Arguments CreateCement::named(const GrainTags& pair, const Arguments& args) {
 // Collective. Plans bonds of these pairs. The keywords are read after the first pair was checked.
 void CreateCement::plan(CementPlan& plan, const Pairs& pairs, const Arguments& args) {
   Arguments words = named(pairs[0], args);
-  plan.make(pairs, grains_of(pairs), cemented(), [&](CementRequest& wish) { read_words(words, wish); });
+  plan.make(
+      pairs, grains_of(pairs), cemented(), [&](CementRequest& wish) { read_words(words, wish); },
+      [&](const CementPlan& bonds) { return patterns_->choose(bonds); });
 }
 
 void CreateCement::cement_pair(Arguments& args) {
@@ -306,15 +308,21 @@ void CreateCement::cement_contacts(Arguments& args) {
   CementMaker::Sums sums;
   std::string left_out;
   std::size_t made = 0;
+  std::size_t planned = 0;
+  mpdem::CalcitePatterns patterns(lmp, groupbit, name, box_);
   if (!pairs.empty()) {
     CementPlan bonds(world, box_);
+    patterns_ = &patterns;
     plan(bonds, pairs, args);
+    patterns_ = nullptr;
+    planned = bonds.bonds().size();
     if (bonds.wish().overlap == CementRequest::trim && !bonds.wish().file.empty())
       args.complain("'overlap trim' belongs to shapes; points of a file stay as they are, use 'overlap skip'");
     CementMaker maker(world, bonds, AtomVecMpdem::of(lmp)->bonds.table, scene(), *this);
     sums = make(maker);
     left_out = maker.text_of_skipped();
-    made = pairs.size() - maker.skipped().size();
+    made = planned - maker.skipped().size();
+    patterns.finish(bonds, maker.skipped(), cemented());
   }
   if (const int twice = mpdem::contacts_twice(all, found, box_, gap); twice > 0 && comm->me == 0)
     warn(text_of("create_cement contacts ", name, ": ", twice,
@@ -323,10 +331,10 @@ void CreateCement::cement_contacts(Arguments& args) {
   say(text_of("Cement at ", made, " contacts of group '", name, "' of a gap of at most ", gap, "; ", found.size() - pairs.size(),
               " had cement before\n"));
   report_sums(sums, groupbit, name);
+  say(patterns.report());
   say(left_out);
-  if (const std::size_t kept = pairs.size() - made;
-      comm->me == 0 && static_cast<double>(kept) > kManyLeftOut * static_cast<double>(pairs.size()))
-    warn(text_of("create_cement contacts ", name, ": ", kept, " of ", pairs.size(),
+  if (const std::size_t kept = planned - made; comm->me == 0 && static_cast<double>(kept) > kManyLeftOut * static_cast<double>(planned))
+    warn(text_of("create_cement contacts ", name, ": ", kept, " of ", planned,
                  " bonds were left out; 'content' is the mass of a bond over that of its two grains, not the calcite content of the "
                  "specimen; use a smaller 'content' or 'outer', or 'overlap trim'"));
 }
@@ -338,7 +346,7 @@ void CreateCement::report_sums(const CementMaker::Sums& sums, int groupbit, cons
   for (int i = 0; i < atom->nlocal; ++i)
     if ((atom->mask[i] & groupbit) && !avec->is_point(i)) {
       mine[0] += 1.0;
-      mine[1] += atom->rmass[i];
+      mine[1] += avec->coats.bare_mass(atom->tag[i], atom->rmass[i]);
     }
   MPI_Allreduce(mine, grains, 2, MPI_DOUBLE, MPI_SUM, world);
   say(text_of("  in all ", std::llround(sums.points), " points, volume ", sums.volume, ", mass ", sums.mass,
@@ -382,6 +390,7 @@ int CreateCement::template_of(const std::vector<FillPoint>& points) {
     to.volume = p.volume;
     to.links = p.link_count;
     to.film = p.film;
+    to.material = p.material;
     for (int k = 0; k < p.link_count; ++k) {
       to.link[k].side = p.link[k].side;
       std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, to.link[k].foot);
@@ -402,92 +411,6 @@ mpdem::TemplateHead CreateCement::head() const {
   head.mask = 1 | groupbit_;
   head.density = density_;
   return head;
-}
-
-std::vector<mpdem::FullPoint> CreateCement::full_points(int rows) {
-  const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
-  const std::vector<BondRecord>& table = avec->bonds.table;
-  std::vector<double> full;  // least volume of an uncut cell, by row
-  for (const BondRecord& b : table) full.push_back(0.95 * std::pow(b.spacing, 3));
-  std::vector<mpdem::FullPoint> found;
-  for (int i = 0; i < atom->nlocal; ++i) {
-    if (!avec->is_point(i)) continue;
-    const int row = avec->bond[i];
-    if (row >= rows) continue;
-    const double width = mpdem::width_filled(avec->record_of(i), table[row].spacing, full[row]);
-    if (width > 0.0) found.push_back({Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), row, width});
-  }
-  for (int row : avec->bonds.rows_without_points()) {
-    if (row >= rows) break;
-    const BondRecord& record = table[row];
-    const mpdem::Mat3<double> axes = mpdem::axes_of(record);
-    for (const mpdem::TemplatePoint& p : avec->bonds.template_of(row).points) {
-      const double width = mpdem::width_filled(p, record.spacing, full[row]);
-      const Vector3 x(mpdem::position_in_box(record, axes, p.X).data());
-      if (width > 0.0 && box_.owns(x)) found.push_back({x, row, width});
-    }
-  }
-  return found;
-}
-
-// Returns whether a point of a bond belongs to this rank. Sets its position in the box and its image.
-bool CreateCement::place(const BondRecord& record, const mpdem::Mat3<double>& axes, const FillPoint& p, double* x, int* image) const {
-  const std::array<double, 3> in_box = mpdem::position_in_box(record, axes, p.X.data());
-  std::copy(in_box.begin(), in_box.end(), x);
-  std::fill(image, image + 3, 0);
-  return box_.wrap(x, image);
-}
-
-std::size_t CreateCement::create_points(const std::vector<NewBond>& bonds, bool more) {
-  double x[3], at_most = 0.0;
-  int image[3];
-  for (const NewBond& b : bonds) {
-    const mpdem::Mat3<double> axes = mpdem::axes_of(b.record);
-    if (box_.own().contains(mpdem::box_around(b.record, b.box))) at_most += b.points.size();
-    else
-      for (const FillPoint& p : b.points) at_most += place(b.record, axes, p, x, image);
-  }
-  atoms_->reserve(at_most, more);
-  const int before = atom->nlocal;
-  for (const NewBond& b : bonds) {
-    const mpdem::Mat3<double> axes = mpdem::axes_of(b.record);
-    for (std::size_t n = 0; n < b.points.size(); ++n)
-      if (place(b.record, axes, b.points[n], x, image)) {
-        const int i = add_point(b.points[n], b, b.first_tag + static_cast<int>(n), x, image);
-        const std::array<double, 3> v = velocity_of(b, axes, b.points[n]);
-        std::copy(v.begin(), v.end(), atom->v[i]);
-      }
-  }
-  return atom->nlocal - before;
-}
-
-std::array<double, 3> CreateCement::velocity_of(const NewBond& b, const mpdem::Mat3<double>& axes, const FillPoint& p) {
-  std::array<double, 3> arm[2];
-  for (int s = 0; s < 2; ++s) {
-    const Vector3 from = p.X - Vector3(b.record.centre[s]);
-    arm[s] = turned(axes, from.data());
-  }
-  return mpdem::velocity_between(b.grain, arm);
-}
-
-int CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, double* x, const int* image) {
-  mpdem::PointRecord r;
-  r.row = bond.row;
-  for (int c = 0; c < 3; ++c) r.X[c] = p.X[c];
-  r.volume = p.volume;
-  r.film = p.film;
-  r.links = p.link_count;
-  for (int k = 0; k < p.link_count; ++k) {
-    r.link[k].grain = bond.record.grain[p.link[k].side];
-    for (int c = 0; c < 3; ++c) r.link[k].foot[c] = p.link[k].foot[c];
-    r.link[k].area = p.link[k].area;
-    r.link[k].attached = p.link[k].attached;
-    r.link[k].state[0] = p.link[k].damage;
-  }
-  r.failed = p.failed;
-  std::copy(p.damage, p.damage + 6, r.damage);
-  if (p.axis.squaredNorm() > 0.0) set_frame(p, r);
-  return atoms_->add(r, head(), tag, x, image);
 }
 
 }  // namespace LAMMPS_NS

@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Command create_cement: fills the cement between two grains with material points, or reads them from a file, and
-// attaches them to the grains. See doc/create_cement.md. This class reads the options and exchanges grains and points
+// attaches them to the grains; or coats grains. See doc/create_cement.md. This class reads the options and exchanges grains and points
 // with LIGGGHTS. cement/creation/cement_plan.h plans the bonds, and cement/creation/cement_maker.h makes them.
 #ifdef COMMAND_CLASS
 
@@ -22,6 +22,10 @@ CommandStyle(create_cement, CreateCement)
 #include "../words/arguments.h"
 #include "../atoms/point_atoms.h"
 #include "pointers.h"
+
+namespace mpdem {
+class CalcitePatterns;
+}
 
 namespace LAMMPS_NS {
 
@@ -63,6 +67,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   static std::array<double, 3> velocity_of(const mpdem::NewBond& bond, const mpdem::Mat3<double>& axes, const mpdem::FillPoint& p);
   int add_point(const mpdem::FillPoint& p, const mpdem::NewBond& bond, int tag, double* x, const int* image);  // returns the atom
 
+  mpdem::CalcitePatterns* patterns_ = nullptr;  // set while bonds of `contacts` are planned
   int groupbit_ = 0, type_ = 0;
   double density_ = 0.0;
   mpdem::SceneBox box_;

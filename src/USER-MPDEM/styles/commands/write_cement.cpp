@@ -70,15 +70,17 @@ void write_line(std::FILE* file, const mpdem::PointRow& row, bool of_names) {
 }
 
 // Returns the row of a point in its present state. Foot points rotate with their grains.
-mpdem::PointRow row_of(const PointNow& p, const mpdem::BondRecord& record, const std::map<int, GrainNow>& grains, bool has_axis,
-                       bool has_link_damage) {
+mpdem::PointRow row_of(const PointNow& p, const mpdem::BondRecord& record, const std::map<int, GrainNow>& grains,
+                       const mpdem::PointRow& names) {
   const mpdem::PointRecord& r = p.record;
   mpdem::PointRow row;
   std::copy(record.grain, record.grain + 2, row.grain);
   std::copy(p.x, p.x + 3, row.x);
   row.volume = r.volume;
-  row.has_axis = has_axis;
-  row.has_link_damage = has_link_damage;
+  const bool has_axis = row.has_axis = names.has_axis;
+  row.has_link_damage = names.has_link_damage;
+  row.has_material = names.has_material;
+  row.material = r.material;
   row.failed = r.failed;
   const double* D = r.damage;
   Eigen::Matrix3d m;
@@ -224,8 +226,9 @@ std::string WriteCement::write(const std::string& name, const std::vector<char>&
   mpdem::PointRow names;
   names.has_axis = now.axes;
   names.has_link_damage = now.link_damage;
+  names.has_material = !AtomVecMpdem::of(lmp)->bonds.materials.empty();
   write_line(f, names, true);
-  for (const PointNow& p : now.points) write_line(f, row_of(p, table[p.record.row], now.grains, now.axes, now.link_damage), false);
+  for (const PointNow& p : now.points) write_line(f, row_of(p, table[p.record.row], now.grains, names), false);
   const bool bad = std::ferror(f) != 0;
   if (std::fclose(f) == 0 && !bad) return "";
   return text_of("write_cement: file '", name, "' could not be written whole: ", std::strerror(errno));

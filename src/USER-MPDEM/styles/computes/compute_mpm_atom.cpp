@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "../../material/laws.h"
+#include "../../mpm/material_runs.h"
+#include "../../mpm/point_scatter.h"
 #include "../../mpm/point_state.h"
 #include "../words/arguments.h"
 #include "atom.h"
@@ -53,12 +55,16 @@ enum Quantity {
   kAxisY,
   kAxisZ,
   kBond,
+  kMaterial,
+  kModuliFactor,
+  kStrengthFactor,
 };
 
 const std::vector<std::string> kNames = {
-    "damage",    "damage_xx", "damage_yy", "damage_zz", "damage_yz",  "damage_xz", "damage_xy", "drive",     "stress_xx", "stress_yy",
-    "stress_zz", "stress_yz", "stress_xz", "stress_xy", "stress_max", "pressure",  "strain_xx", "strain_yy", "strain_zz", "strain_yz",
-    "strain_xz", "strain_xy", "attached",  "grain",     "failed",     "volume",    "axis_x",    "axis_y",    "axis_z",    "bond",
+    "damage",    "damage_xx", "damage_yy", "damage_zz", "damage_yz",     "damage_xz",       "damage_xy", "drive",     "stress_xx",
+    "stress_yy", "stress_zz", "stress_yz", "stress_xz", "stress_xy",     "stress_max",      "pressure",  "strain_xx", "strain_yy",
+    "strain_zz", "strain_yz", "strain_xz", "strain_xy", "attached",      "grain",           "failed",    "volume",    "axis_x",
+    "axis_y",    "axis_z",    "bond",      "material",  "moduli_factor", "strength_factor",
 };
 
 vd component(const Sym3<vd>& s, int i) {
@@ -117,7 +123,7 @@ vd ComputeMpmAtom::value_of(const mpdem::PointStore& points, int b, const L& law
   if (quantity_ < kDrive) return component(mpdem::rotate(R, law.damage(state)), quantity_ - kDamageXX);
   if (quantity_ == kDrive) {
     const mpdem::LawDrive d = law.drive(p.strain, state, mpdem::softening_of(points, b, law));
-    const vd strength = mpdem::select(mpdem::lanes(m.linked), mpdem::splat(law.interface()), mpdem::splat(1.0));
+    const vd strength = points.strength_factor(b) * mpdem::select(mpdem::lanes(m.linked), mpdem::splat(law.interface()), mpdem::splat(1.0));
     return mpdem::select(mpdem::lanes(m.failed), vd{}, d.Yeq / (strength * d.B));
   }
   if (quantity_ <= kPressure) {
@@ -132,7 +138,10 @@ vd ComputeMpmAtom::value_of(const mpdem::PointStore& points, int b, const L& law
   if (quantity_ == kVolume) return p.volume;
   if (quantity_ >= kAxisX && quantity_ <= kAxisZ) return R.a[quantity_ - kAxisX][2];
   if (quantity_ == kBond) return mpdem::splat(m.row + 1.0);
-  if (quantity_ > kBond) return law.column(quantity_ - kBond - 1, p.strain, state);
+  if (quantity_ == kMaterial) return mpdem::splat(m.material);
+  if (quantity_ == kModuliFactor) return points.stiffness_factor(b);
+  if (quantity_ == kStrengthFactor) return mpdem::drawn_strength(points, b);
+  if (quantity_ > kStrengthFactor) return law.column(quantity_ - kStrengthFactor - 1, p.strain, state);
   return vd{};
 }
 
@@ -166,8 +175,8 @@ void ComputeMpmAtom::find_values(const mpdem::PointStore& points, const mpdem::B
   const mpdem::Mat3<double> axes = mpdem::axes_of(record);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) axes_.a[i][j] = mpdem::splat(axes.a[i][j]);
-  mpdem::with_law(cement_->law(), [&](const auto& law) {
-    for (std::size_t b = 0; b < value_.size(); ++b) value_[b].v = value_of(points, static_cast<int>(b), law);
+  mpdem::for_each_material(points, cement_->law(), [&](const auto& law, int first, int last) {
+    for (int b = first; b < last; ++b) value_[static_cast<std::size_t>(b)].v = value_of(points, b, law);
   });
   // `attached` is 1 while the point is attached to a grain, 2 once the link has debonded. `grain` is the ID of that
   // grain. Of two links, that of the nearer grain counts.

@@ -312,6 +312,8 @@ void CementReport::times(Cement& c, bigint points) {
   MPI_Allreduce(MPI_IN_PLACE, s.data(), static_cast<int>(s.size()), MPI_DOUBLE, MPI_MAX, lmp_->world);
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lmp_->world);
   MPI_Allreduce(MPI_IN_PLACE, unmoved, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
+  double deepest = c.contact().deepest_so_far();
+  MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE, MPI_MAX, lmp_->world);
   const CementTotals& now = totals_with_contacts(c);
   const std::string limited = limited_grain(lmp_, c);
   if (lmp_->comm->me != 0) return;
@@ -327,6 +329,8 @@ void CementReport::times(Cement& c, bigint points) {
   if (unmoved[0] > 0.0) text += text_of("; ", unmoved[0], " of ", unmoved[1], " bonds at rest");
   text += if_quasistatic(
       o, text_of("\n  quasistatic: kinetic share of the energy ", now.kinetic_share, ", unbalanced force ", now.unbalanced_force));
+  if (deepest > 0.0)
+    text += text_of("\n  contact: deepest overlap of rigid surfaces ", deepest, ", ", 100.0 * deepest / o.cell, " % of a cell");
   tell(lmp_, text + "\n");
   if (now.left.points > 0.0)
     tell(lmp_, text_of(who_, now.left.points, " points of cement with a mass of ", now.left.mass, " have left the scene so far, ",

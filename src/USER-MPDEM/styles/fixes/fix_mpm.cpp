@@ -19,6 +19,7 @@
 #include "files_in_use.h"
 #include "fix_gravity.h"
 #include "../guards/host_guards.h"
+#include "../atoms/coated_contacts.h"
 #include "../atoms/local_atom.h"
 #include "modify.h"
 #include "output.h"
@@ -58,6 +59,8 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg)
   for (const std::string& note : words.notes) mpdem::tell(lmp, who() + note + "\n");
   step_ = std::make_unique<mpdem::AutoStep>(lmp, who(), words.step_fraction);
   words_ = words.said;
+  law_words_ = words.law_words;
+  law_ = words.law;
   coupling_.need(words.needs_coupling);
   failures_.name(words.events);
   cement_ = std::make_unique<mpdem::Cement>(world, avec_->bonds, words.options, words.law, static_cast<mpdem::CementHost&>(*this));
@@ -102,6 +105,7 @@ void FixMpm::init() {
   update->first_update = 0;
   const mpdem::CementOptions& o = cement_->options();
   const std::vector<mpdem::BondRecord>& table = avec_->bonds.table;
+  take_materials();
   make_points_of_run();
   mpdem::HostView view = host();
   view.may_leave = cement_->built();
@@ -111,12 +115,13 @@ void FixMpm::init() {
   guarded([this] { cement_->read_point_states(); });  // cement from a file may have damage
   mpdem::check_cell(lmp, who(), table, o.cell);
   avec_->points_excluded = true;
-  const std::string trouble = ranks_.set_balance(o.balance);
+  std::string trouble = ranks_.set_balance(o.balance);
+  if (trouble.empty() && !avec_->coats.empty()) trouble = mpdem::touch_coats(lmp);
   if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
   gravities_ = mpdem::gravities(view);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   cement_->set_most_bytes(0.5 * memory_limit_);  // the other half is for points and LIGGGHTS
-  refuse(who(), {});
+  refuse(who(), words_of_materials());
   cement_->couple(nullptr);  // fix mpm/couple registers in its own init
   coupling_.forget();
   atoms_.find(*avec_, cement_->grains());
@@ -136,10 +141,11 @@ void FixMpm::make_points_of_run() {
   bool coupled = false;
   for (int i = 0; i < modify->nfix; ++i) coupled = coupled || std::string(modify->fix[i]->style) == "mpm/couple";
   std::vector<int> rows;
-  std::vector<mpdem::SceneOption> later;
+  std::vector<mpdem::SceneOption> later = words_of_materials();
+  const std::size_t of_materials = later.size();
   const std::vector<mpdem::BondRecord>& table = avec_->bonds.table;
   for (int row : avec_->bonds.rows_without_points()) {
-    if (!all_points_ && later.empty())
+    if (!all_points_ && later.size() == of_materials)
       later.push_back({"points later", text_of("the cement of grains ", table[row].grain[0], " and ", table[row].grain[1])});
     if (all_points_ || !coupled || table[row].wants_points) rows.push_back(row);
   }
@@ -234,6 +240,7 @@ void FixMpm::check_unprepared() {
 void FixMpm::take_density(const mpdem::HostView& view) {
   const mpdem::Densities density = mpdem::densities(view);
   if (density.low <= density.high) guarded([&] { cement_->set_density(density.low); });
+  else if (!avec_->coats.empty()) guarded([&] { cement_->set_density(avec_->coats.all()[0].density); });  // no cement but coats
 }
 
 // Call it before LIGGGHTS exchanges atoms, while true positions are shown. for_run: the exchange is for a run, and not
@@ -246,6 +253,7 @@ void FixMpm::setup_pre_neighbor() {
   mpdem::check_host(mpdem::kExchanged, host());
   atoms_.find(*avec_, cement_->grains());
   guarded([this] { cement_->lay_out_run(); });
+  avec_->coats.find_atoms(*atom);
   prepared_ = true;
 }
 
@@ -254,10 +262,12 @@ void FixMpm::setup(int) {
   check_coupling();
   avec_->last_run.begin(*modify, avec_->bonds.table.size());
   hidden_.start(this);
-  mpdem::exchange_last(modify, this);  // earlier fixes may delete or insert grains
+  if (!avec_->coats.empty()) mpdem::act_last(modify, this);  // LIGGGHTS integrates with scaled torques
+  mpdem::exchange_last(modify, this);                        // earlier fixes may delete or insert grains
   ranks_.start_run(this);
   report_->start_run(*cement_);
   guarded([this] { report_->parameters(*cement_, mpdem::points_made(*avec_)); });
+  tell_materials();
   write_events();
   check_state();
   contacts_.start_run(*avec_, *cement_);
@@ -287,11 +297,23 @@ void FixMpm::pre_initial_integrate() {
   guarded([&] { cement_->start_step(first); });
   if (first) atoms_.write_velocities(cement_->grains());
   hidden_.hide();
+  avec_->coats.scale_torques(*atom);
 }
 
-void FixMpm::initial_integrate(int) { hidden_.show(); }
-void FixMpm::pre_final_integrate() { hidden_.hide(); }
-void FixMpm::final_integrate() { hidden_.show(); }
+void FixMpm::initial_integrate(int) {
+  hidden_.show();
+  avec_->coats.restore_torques(*atom);
+}
+
+void FixMpm::pre_final_integrate() {
+  hidden_.hide();
+  avec_->coats.scale_torques(*atom);
+}
+
+void FixMpm::final_integrate() {
+  hidden_.show();
+  avec_->coats.restore_torques(*atom);
+}
 
 // Updates the orientation of bonded grains, since LIGGGHTS' integrators for spheres keep omega only.
 void FixMpm::post_integrate() {
@@ -319,6 +341,7 @@ void FixMpm::pre_exchange() {
 
 void FixMpm::pre_neighbor() {
   cement_->timer().start(mpdem::StepTimer::kLayout);
+  avec_->coats.find_atoms(*atom);
   avec_->clear_loads_of_points();  // points have other indices in LIGGGHTS' lists now
   contacts_.atoms_moved();
   mpdem::check_host(mpdem::kExchanged, host());

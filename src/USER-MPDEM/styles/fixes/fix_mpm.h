@@ -33,6 +33,7 @@ FixStyle(mpm, FixMpm)
 #include "../atoms/leaving_atoms.h"
 #include "../atoms/point_ranks.h"
 #include "quasistatic_watch.h"
+#include "../words/material_words.h"
 #include "../words/word_rules.h"
 
 namespace LAMMPS_NS {
@@ -90,6 +91,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void set_grains(const Fix* coupling, const std::vector<mpdem::ElasticPair>& of_rows);
 
   const mpdem::Law& law() const { return cement_->law(); }
+  // Words of the materials of cement_material, known from init() on.
+  const std::vector<mpdem::MaterialWords>& materials() const { return materials_; }
   mpdem::Cement& engine() const { return *cement_; }
   // Did fix_modify ask for points that are not made yet?
   bool points_are_wanted() const;
@@ -137,6 +140,9 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void check_unprepared();
   mpdem::HostView host() const { return {lmp, who(), avec_, this, cement_.get(), points_are_wanted()}; }
   void take_density(const mpdem::HostView& view);
+  void take_materials();
+  std::vector<mpdem::SceneOption> words_of_materials() const;
+  void tell_materials();
   void make_points_of_run();
   void make_points(const std::vector<int>& rows);
   void write_events();
@@ -151,6 +157,10 @@ class FixMpm : public Fix, private mpdem::CementHost {
   mpdem::CementContacts contacts_;
   mpdem::FailureLog failures_;
   std::vector<mpdem::SceneOption> words_;  // keywords of the script
+  mpdem::CementLawWords law_words_;
+  std::shared_ptr<mpdem::Law> law_;  // that of the engine
+  std::vector<mpdem::MaterialWords> materials_;
+  bool materials_told_ = false;
   mpdem::CouplingHistory coupling_;
   mpdem::HiddenPoints hidden_;
   mpdem::PointRanks ranks_;

@@ -136,12 +136,8 @@ void FixMpmCouple::init() {
   take_cement();
   count_bonds();
   const double per_length = 1.0 / (words_.length < 0.0 ? cement_->cell() : words_.length);
-  const double automatic = kAutoOverC33 * cement_->law().elasticity().C33;
   mpdem::PenaltyParameters p;
-  p.law = words_.interface.make(mpdem::TractionStiffness{(words_.kn < 0.0 ? automatic : words_.kn) * per_length,
-                                                         (words_.kt < 0.0 ? automatic : words_.kt) * per_length});
-  const std::string wrong = p.law->trouble();
-  if (!wrong.empty()) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'interface ", p.law->name(), "': ", wrong));
+  p.law = traction_laws(per_length);
   mpdem::check_links(lmp, text_of("fix mpm/couple (id ", id, "): "), *cement_->cement(), *p.law);
   warn_of_length(*p.law);
   check_rounding("kn", words_.kn, per_length);
@@ -186,6 +182,31 @@ std::vector<mpdem::ElasticPair> FixMpmCouple::elastic_grains() const {
         types[n] > 0 ? of_types[static_cast<std::size_t>(types[n])] : mpdem::GrainElasticity{b.grain_E[n % 2], b.grain_nu[n % 2]};
   }
   return found;
+}
+
+// Makes the law of the links, and those of other materials.
+std::shared_ptr<const mpdem::TractionLaw> FixMpmCouple::traction_laws(double per_length) const {
+  const auto made = [&](int material, const mpdem::Choice<mpdem::TractionEntry>& choice, const std::string& who) {
+    const mpdem::Law& of_cement = cement_->law().of_material(material);
+    const double automatic = kAutoOverC33 * of_cement.elasticity().C33;
+    std::shared_ptr<mpdem::TractionLaw> law = choice.make(mpdem::TractionStiffness{(words_.kn < 0.0 ? automatic : words_.kn) * per_length,
+                                                                                   (words_.kt < 0.0 ? automatic : words_.kt) * per_length});
+    const std::string wrong = law->trouble();
+    if (!wrong.empty()) mpdem::stop_all(lmp, text_of(who, ": 'interface ", law->name(), "': ", wrong));
+    law->set_scatter(of_cement.scatter());
+    return law;
+  };
+  const std::shared_ptr<mpdem::TractionLaw> law = made(0, words_.interface, text_of("fix mpm/couple (id ", id, ")"));
+  std::vector<std::shared_ptr<const mpdem::TractionLaw>> others;
+  for (const mpdem::MaterialWords& m : cement_->materials()) {
+    if (m.interface && m.interface->entry != words_.interface.entry)
+      mpdem::stop_all(lmp,
+                      text_of(m.who(), ": 'interface ", m.interface->entry->name, "', but fix mpm/couple (id ", id, ") has 'interface ",
+                              words_.interface.entry->name, "': all cements of a scene have one traction law, with numbers of their own"));
+    others.push_back(made(static_cast<int>(others.size()) + 1, m.interface ? *m.interface : words_.interface, m.who()));
+  }
+  law->set_materials(std::move(others));
+  return law;
 }
 
 // Warns if cells do not resolve the length over which an interface with strength and fracture energy softens.

@@ -12,6 +12,7 @@ FixStyle(mpm / couple, FixMpmCouple)
 #ifndef MPDEM_STYLES_FIXES_FIX_MPM_COUPLE_H
 #define MPDEM_STYLES_FIXES_FIX_MPM_COUPLE_H
 
+#include <memory>
 #include <string>
 
 #include "fix.h"
@@ -70,6 +71,7 @@ class FixMpmCouple : public Fix {
   void take_cement();
   void check_bond(int bond_row);
   std::vector<mpdem::ElasticPair> elastic_grains() const;
+  std::shared_ptr<const mpdem::TractionLaw> traction_laws(double per_length) const;
   void warn_of_length(const mpdem::TractionLaw& law);
   void check_rounding(const char* keyword, double given, double per_length) const;
   double value(int bond_row, int column);

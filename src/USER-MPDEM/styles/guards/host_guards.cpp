@@ -185,10 +185,10 @@ Found moved_grain(View v, int i) {
 }
 
 Found changed_radius(View v, int i) {
-  const double radius_at_creation = v.radius_at_creation(tag(v, i)), now = atoms(v).radius[i];
-  if (radius_at_creation == 0.0 || std::fabs(now - radius_at_creation) <= 1e-12 * radius_at_creation) return "";
+  const double made = v.cement->coats.outer_radius(tag(v, i), v.radius_at_creation(tag(v, i))), now = atoms(v).radius[i];
+  if (made == 0.0 || std::fabs(now - made) <= 1e-12 * made) return "";
   return text_of("bonded grain ", tag(v, i), " has radius ", now, " at step ", v.lmp->update->ntimestep, ", but its cement was made for ",
-                 radius_at_creation);
+                 made);
 }
 
 Found not_finite(View v, int i) {
@@ -343,7 +343,7 @@ const Guard kGuards[] = {
        return named(fix_at(v, k)) + (later.empty() ? "" : ", whose group has " + later);
      }},
     {kRun, "fix mpm without cement", "and nothing to move", "use create_cement before the run", kScene,
-     [](View v, int) { return Found(v.cement->bonds.table.empty() ? "there are no material points" : ""); }},
+     [](View v, int) { return Found(v.cement->bonds.table.empty() && v.cement->coats.empty() ? "there are no material points" : ""); }},
     {kRun | kExchanged, "material points that were deleted, left the box or were copied by `replicate`",
      "and cement cannot be deleted or copied by points",
      "use a larger or periodic box, 'run 0' before, which takes fragments and the cement of separated bonds out of the scene, and "

@@ -8,6 +8,7 @@
 
 #include "keywords.h"
 #include "law_words.h"
+#include "material_words.h"
 
 namespace mpdem {
 
@@ -15,9 +16,6 @@ namespace {
 // The parsed options, and values that only the law needs.
 struct ScriptOptions : ParsedOptions {
   bool tied_given = false, cracks_given = false, has_elastic = false;
-  VtiConstants elastic;
-  LawChoice damage{&law_entries().front(), {}};
-  double crack_band = 0.0, nonlocal_energy = 0.0;  // fracture energies per area; 0: none
 };
 using ScriptKeyword = Keyword<ScriptOptions>;
 
@@ -57,20 +55,7 @@ void take_skip(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
 }
 
 void take_elastic(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
-  VtiConstants& constants = w.elastic;
-  if (args.choice("elastic", {"vti", "isotropic"}) == "isotropic") {
-    const double E = args.number("elastic isotropic E"), nu = args.number("elastic isotropic nu");
-    constants = VtiConstants::isotropic(E, nu);
-    if (!(nu > -1.0 && nu < 0.5)) args.complain(text_of("'elastic isotropic' nu = ", nu, " must lie between -1 and 0.5"));
-  } else {
-    constants.Ep = args.number("elastic vti Ep");
-    constants.Ez = args.number("elastic vti Ez");
-    constants.nu_p = args.number("elastic vti nu_p");
-    constants.nu_zp = args.number("elastic vti nu_zp");
-    constants.Gzp = args.number("elastic vti Gzp");
-  }
-  const std::string why = constants.violated_condition();
-  if (!why.empty()) args.complain("'elastic' is not positive definite: " + why);
+  w.law_words.elastic = read_elastic(args);
   w.has_elastic = true;
 }
 
@@ -102,7 +87,7 @@ void take_timestep(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
 void take_regularization(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
   CementOptions& o = w.options;
   const std::string how = args.choice("regularization", {"none", "crackband", "nonlocal"});
-  if (how == "crackband") w.crack_band = args.positive("regularization crackband");
+  if (how == "crackband") w.law_words.crack_band = args.positive("regularization crackband");
   if (how != "nonlocal") return;
   o.advance.nonlocal = true;
   o.length = args.positive("regularization nonlocal");
@@ -110,7 +95,7 @@ void take_regularization(Arguments& args, const ScriptKeyword&, ScriptOptions& w
   for (;;) {
     if (args.accept("energy")) {
       args.once("energy", "regularization nonlocal");
-      w.nonlocal_energy = args.positive("regularization nonlocal ... energy");
+      w.law_words.nonlocal_energy = args.positive("regularization nonlocal ... energy");
     } else if (args.accept("imperfection")) {
       args.once("imperfection", "regularization nonlocal");
       o.imperfection = args.between("regularization nonlocal ... imperfection", 0.0, kMostImperfection,
@@ -119,42 +104,6 @@ void take_regularization(Arguments& args, const ScriptKeyword&, ScriptOptions& w
       return;
     }
   }
-}
-
-// Sets internal length and fracture energy of the law.
-void soften(const Arguments& args, const ScriptOptions& w, Law& law) {
-  const CementOptions& o = w.options;
-  std::string word = "'regularization crackband'";
-  try {
-    if (w.crack_band > 0.0) law.set_crack_energy(w.crack_band, o.cell);
-    if (!o.advance.nonlocal) return;
-    const double L = o.length;
-    // a slightly smaller length comes from rounding of numbers in a script
-    if (L < 0.999999 * o.cell)
-      args.complain(text_of("'regularization nonlocal ", L, "': the length must be at least the cell, which is ", o.cell, "; take 'cell ",
-                            L, "' or less"));
-    constexpr double kMostCells = 100.0;  // an average over more takes thousands of passes a step
-    if (L > kMostCells * o.cell)
-      args.complain(text_of("'regularization nonlocal ", L, "': the length must be at most ", kMostCells, " cells, which are ",
-                            kMostCells * o.cell, ", in the units of the box; take a length of one to four cells"));
-    word = "'regularization nonlocal ... energy'";
-    law.set_nonlocal(L, w.nonlocal_energy);
-  } catch (const std::domain_error& e) {
-    const VtiConstants& c = law.elasticity().constants;
-    args.complain(text_of(word, ": ", e.what(), "; these options of the law are a tensile strength of ",
-                          law.implied_strength(std::min(c.Ep, c.Ez)).tensile_strength));
-  }
-}
-
-// Stops at a law whose strength, strain at failure or energy is not finite. Thresholds that no cement reaches are
-// allowed.
-void check_strength(const Arguments& args, const Law& law, const std::string& name) {
-  if (law.inert()) return;
-  const VtiConstants& e = law.elasticity().constants;
-  const ImpliedStrength s = law.implied_strength(std::max(e.Ep, e.Ez));
-  if (std::isfinite(s.failure_strain) && std::isfinite(s.tensile_strength) && std::isfinite(s.work_per_volume)) return;
-  args.complain(text_of("'damage ", name, "': cement would fail at a strain of ", s.failure_strain, " with a strength of ",
-                        s.tensile_strength, "; both must be finite, ", law.advice_on_strain()));
 }
 
 void take_kinetic_share(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
@@ -231,7 +180,9 @@ const std::vector<ScriptKeyword>& fix_mpm_keywords() {
       {"elastic", "vti Ep Ez nu_p nu_zp Gzp or isotropic E nu", "", take_elastic},
       {"axis", "radial, bond or global nx ny nz", "radial", take_axis},
       {"damage", names_listed(law_entries()), "none",
-       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.damage = read_choice(args, k.name, law_entries()); }},
+       [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.law_words.damage = read_choice(args, k.name, law_entries()); }},
+      {"scatter", kScatterValues, "",
+       [](Arguments& args, const ScriptKeyword&, ScriptOptions& w) { read_scatter(args, w.law_words.scatter); }, true},
       {"regularization", "none, crackband G or nonlocal L [energy G] [imperfection E]", "none", take_regularization},
       {"cracks", "bonds or split", "bonds; split with regularization nonlocal",
        [](Arguments& args, const ScriptKeyword& k, ScriptOptions& w) { w.options.split = k.is(args, "split"), w.cracks_given = true; }},
@@ -283,7 +234,7 @@ ParsedOptions parse_cement_words(Arguments& args) {
   ScriptOptions w;
   CementOptions& o = w.options;
   const std::vector<std::string> said = parse_keywords(args, fix_mpm_keywords(), w, [&](const std::string& key) {
-    check_misplaced(args, key, w.damage);
+    check_misplaced(args, key, w.law_words.damage);
     std::vector<std::string> known = names_of(fix_mpm_keywords());
     for (const std::string& word : law_words("damage", law_entries())) known.push_back(word);
     known.insert(known.end(), {"and after 'regularization nonlocal' energy", "imperfection"});
@@ -295,11 +246,8 @@ ParsedOptions parse_cement_words(Arguments& args) {
   choose_defaults(w);
   const std::string trouble = exclusion_in(w.said);
   if (!trouble.empty()) args.complain(trouble);
-  std::shared_ptr<Law> law = w.damage.make(VtiElasticity(w.elastic));
-  soften(args, w, *law);
-  check_strength(args, *law, w.damage.entry->name);
-  if (const std::optional<Localisation> band = law->crack_band()) o.half_band = 0.5 * band->width * o.length;
-  w.law = std::move(law);
+  w.law = make_law(args, o, w.law_words);
+  if (const std::optional<Localisation> band = w.law->crack_band()) o.half_band = 0.5 * band->width * o.length;
   return w;
 }
 

@@ -11,6 +11,7 @@
 
 #include "../../cement/bond/options.h"
 #include "../../material/law.h"
+#include "material_words.h"
 #include "word_rules.h"
 
 namespace mpdem {
@@ -22,7 +23,8 @@ constexpr double kMostDamping = 100.0;  // largest damping that a script may set
 
 struct ParsedOptions {
   CementOptions options;
-  std::shared_ptr<const Law> law;
+  CementLawWords law_words;
+  std::shared_ptr<Law> law;                   // made of them
   double step_fraction = 0.0;                 // share of the stable step; 0: the script sets the step
   std::string events;                         // name of the file of events, or empty
   double kinetic_share = kUsualKineticShare;  // above which fix mpm warns; 0: never
