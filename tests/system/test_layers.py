@@ -301,7 +301,7 @@ LARGE_CLASSES = {
     "coupling/condensed_pack.h:Block": (16, LOOPS),
     "coupling/grain.h:Grain": (18, RECORD),
     "coupling/grain_state.h:GrainState": (19, RECORD),
-    "coupling/penalty_links.h:PenaltyLinks": (19, LOOPS),
+    "coupling/penalty_links.h:PenaltyLinks": (20, LOOPS),
     "fracture/phantom_nodes.h:NodeSplitter": (19, "to be divided: state of one node"),
     "mpm/bond_record.h:BondRecord": (28, RECORD),
     "mpm/extension_constraints.h:ExtensionConstraints": (17, LOOPS),

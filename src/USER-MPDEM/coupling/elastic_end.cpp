@@ -57,34 +57,30 @@ void ElasticEnd::displacement(std::size_t block, const double* q, vd* u) const {
 }
 
 // K' = kt 1 + (kn - kt) n n'.
-std::vector<double> ElasticEnd::stiffness(const std::vector<TractionSecant>& K) const {
+std::vector<double> ElasticEnd::stiffness(std::size_t first, const std::vector<TractionSecant>& K) const {
   constexpr int kOf[6][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 0}, {2, 1}, {2, 2}};
-  constexpr Eigen::Index kChunk = 32 * kLanes;
   const Eigen::Index n = modes(), links = kLanes * static_cast<Eigen::Index>(K.size());
-  Eigen::MatrixXd Phi(std::min(kChunk, links), n), weighted;
+  Eigen::MatrixXd Phi(links, n), weighted;
   std::vector<Eigen::MatrixXd> S(6, Eigen::MatrixXd::Zero(n, n));
   std::vector<vd> of_mode(static_cast<std::size_t>(n));
-  for (Eigen::Index first = 0; first < links; first += kChunk) {
-    const Eigen::Index rows = std::min(kChunk, links - first);
-    Eigen::VectorXd k[6];
-    for (auto& component : k) component.resize(rows);
-    for (Eigen::Index r = 0; r < rows; r += kLanes) {
-      const std::size_t block = static_cast<std::size_t>((first + r) / kLanes);
-      const vd *radial = &values_[stride_ * block], *direction = radial + stride_ - 3;
-      int mode = 0;
-      for (const Group& g : groups_)
-        for (int a = g.first; a < g.end; ++a) of_mode[mode++] = radial[radials_ + g.harmonic] * radial[a];
-      for (int l = 0; l < kLanes; ++l) {
-        for (Eigen::Index j = 0; j < n; ++j) Phi(r + l, j) = of_mode[j][l];
-        for (int c = 0; c < 6; ++c)
-          k[c][r + l] = (K[block].kn[l] - K[block].kt[l]) * direction[kOf[c][0]][l] * direction[kOf[c][1]][l] +
-                        (kOf[c][0] == kOf[c][1] ? K[block].kt[l] : 0.0);
-      }
+  Eigen::VectorXd k[6];
+  for (auto& component : k) component.resize(links);
+  for (std::size_t i = 0; i < K.size(); ++i) {
+    const vd *radial = &values_[stride_ * (first + i)], *direction = radial + stride_ - 3;
+    int mode = 0;
+    for (const Group& g : groups_)
+      for (int a = g.first; a < g.end; ++a) of_mode[mode++] = radial[radials_ + g.harmonic] * radial[a];
+    for (int l = 0; l < kLanes; ++l) {
+      const Eigen::Index row = static_cast<Eigen::Index>(kLanes * i) + l;
+      for (Eigen::Index j = 0; j < n; ++j) Phi(row, j) = of_mode[j][l];
+      for (int c = 0; c < 6; ++c)
+        k[c][row] =
+            (K[i].kn[l] - K[i].kt[l]) * direction[kOf[c][0]][l] * direction[kOf[c][1]][l] + (kOf[c][0] == kOf[c][1] ? K[i].kt[l] : 0.0);
     }
-    for (int c = 0; c < 6; ++c) {
-      weighted = k[c].asDiagonal() * Phi.topRows(rows);
-      S[c].triangularView<Eigen::Lower>() += Phi.topRows(rows).transpose() * weighted;
-    }
+  }
+  for (int c = 0; c < 6; ++c) {
+    weighted = k[c].asDiagonal() * Phi;
+    S[c].triangularView<Eigen::Lower>() += Phi.transpose() * weighted;
   }
   std::vector<double> out;
   out.reserve(static_cast<std::size_t>(3 * n * (n + 1)));
@@ -109,6 +105,15 @@ Eigen::MatrixXd ElasticEnd::response(const std::vector<double>& sums) const {
   inner.diagonal().array() += 1.0;
   const Eigen::MatrixXd M = L * inner.llt().solve(L.transpose());
   return 0.5 * (M + M.transpose());
+}
+
+std::size_t ElasticEnds::memory_usage() const {
+  std::size_t bytes = sizeof(ElasticEnds);
+  for (const Side& s : side) {
+    bytes += s.end.memory_usage() + static_cast<std::size_t>(s.response.size()) * sizeof(double);
+    for (const std::vector<double>& c : s.chunks) bytes += c.capacity() * sizeof(double);
+  }
+  return bytes;
 }
 
 }  // namespace mpdem

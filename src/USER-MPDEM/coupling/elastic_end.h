@@ -12,8 +12,8 @@
 //   q = M s,   s = sum A_i Phi_i' K'_i d_i,   M = ((L L')^-1 + S)^-1 = L (1 + L' S L)^-1 L',   S = sum A_i Phi_i' K'_i Phi_i.
 //
 // The surface is in equilibrium with the links at each time: it has neither inertia nor state. The energy is at most that of
-// links K' to a rigid grain, so the added mass of these makes a step stable. Where links debond, S is made anew in the order of
-// the links, so it is a function of those that are attached.
+// links K' to a rigid grain, so the added mass of these makes a step stable. S is a sum over chunks of links, in their order. Where
+// links debond only their chunks are computed anew, so S is a function of the links that are attached, and not of their history.
 //
 // Vectors of modes have three numbers a scalar mode. They are in the axes of the patch, which rotate with the grain. Links
 // are in blocks of eight, one a lane.
@@ -58,9 +58,9 @@ class ElasticEnd {
   // Displacement of the surface at the links of a block; q: amplitudes, in the axes of the result.
   void displacement(std::size_t block, const double* q, vd* u) const;
 
-  // S as numbers to be summed over ranks: six components for each pair of modes. K: stiffness of the links of each block times
-  // their area, zero if they are debonded.
-  std::vector<double> stiffness(const std::vector<TractionSecant>& K) const;
+  // Share of the blocks from `first` in S, as numbers to be summed: six components for each pair of modes. K: stiffness of the
+  // links of each block times their area, zero if they are debonded.
+  std::vector<double> stiffness(std::size_t first, const std::vector<TractionSecant>& K) const;
   // M of these sums.
   Eigen::MatrixXd response(const std::vector<double>& sums) const;
   std::size_t memory_usage() const { return values_.capacity() * sizeof(vd); }
@@ -78,17 +78,20 @@ class ElasticEnd {
 
 // Both ends of a bond, at least one of them elastic, in a step.
 struct ElasticEnds {
+  static constexpr std::size_t kChunk = 32;  // blocks
   struct Side {
     ElasticEnd end;
-    std::size_t first_block = 0;             // of its links
-    Eigen::MatrixXd response;                // M
-    Eigen::VectorXd loads, amplitudes;       // s, share of this rank; q
-    Eigen::VectorXd debonded_loads, before;  // share in s of links that debonded in this step; s of the others at the step before
+    std::size_t first_block = 0;                      // of its links
+    mutable std::vector<std::vector<double>> chunks;  // shares of kChunk blocks in S, empty: not known
+    Eigen::MatrixXd response;                         // M
+    Eigen::VectorXd loads, amplitudes;                // s, share of this rank; q
+    Eigen::VectorXd debonded_loads, before;           // share in s of links that debonded in this step; s of the others at the step before
   };
   std::array<Side, 2> side;
   bool stiffness_changed = true;  // links debonded since M was found, or it is not known
   bool some_debonded = false;     // links of the bond debonded in this step, on any rank
   double released = 0.0;          // energy, in this step
+  std::size_t memory_usage() const;
 };
 
 // Rotates a vector of modes by R.

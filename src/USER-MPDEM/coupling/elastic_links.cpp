@@ -76,13 +76,25 @@ TractionSecant PenaltyLinks::springs(const LinkBlock& b) const {
 
 std::vector<double> PenaltyLinks::modal_stiffness(int side) const {
   const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
+  std::size_t end = e.first_block;
+  while (end < blocks_.size() && blocks_[end].side == side) ++end;
+  e.chunks.resize((end - e.first_block + ElasticEnds::kChunk - 1) / ElasticEnds::kChunk);
+  std::vector<double> sums(static_cast<std::size_t>(e.end.size()) * static_cast<std::size_t>(e.end.modes() + 1), 0.0);
   std::vector<TractionSecant> of_blocks;
-  for (std::size_t i = e.first_block; i < blocks_.size() && blocks_[i].side == side; ++i) {
-    const vd area = masked(link_flags_[i].attached, blocks_[i].area);
-    const TractionSecant k = springs(blocks_[i]);
-    of_blocks.push_back({area * k.kn, area * k.kt});
+  for (std::size_t n = 0; n < e.chunks.size(); ++n) {
+    const std::size_t first = ElasticEnds::kChunk * n;
+    if (e.chunks[n].empty()) {
+      of_blocks.clear();
+      for (std::size_t i = e.first_block + first; i < std::min(end, e.first_block + first + ElasticEnds::kChunk); ++i) {
+        const vd area = masked(link_flags_[i].attached, blocks_[i].area);
+        const TractionSecant k = springs(blocks_[i]);
+        of_blocks.push_back({area * k.kn, area * k.kt});
+      }
+      e.chunks[n] = e.end.stiffness(first, of_blocks);
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += e.chunks[n][i];
   }
-  return e.end.stiffness(of_blocks);
+  return sums;
 }
 
 void PenaltyLinks::take_modal_stiffness(int side, const std::vector<double>& of_all, bool debonded) {
@@ -189,6 +201,7 @@ void PenaltyLinks::add_freed(std::size_t i, std::uint8_t freed, const Grid& grid
   const LinkBlock& b = blocks_[i];
   ElasticEnds::Side& e = elastic_->side[b.side];
   elastic_->stiffness_changed = true;
+  if (!e.chunks.empty()) e.chunks[(i - e.first_block) / ElasticEnds::kChunk].clear();
   if (e.end.is_rigid() || e.amplitudes.size() == 0) return;
   elastic_->some_debonded = true;
   const TractionSecant k = springs(b);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Stiffness of the links: its row sums for the added mass, and forces due to small motions of nodes and grains.
+// Stiffness of the links: its row sums for the added mass, which links count for it, and forces due to small motions of nodes and grains.
 #include <algorithm>
 
 #include "../mpm/lane_by_lane.h"
@@ -30,6 +30,19 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const BondEnd* ends, double d
       }
     }
   });
+}
+
+bool PenaltyLinks::drop_added_mass(PointStore& points) {
+  bool some = false;
+  for (std::size_t n = 0; n < blocks_.size(); ++n) {
+    LinkFlags& h = link_flags_[n];
+    if (h.counts_for_added_mass == h.attached) continue;
+    some = true;
+    h.counts_for_added_mass = h.attached;
+    for (int link : blocks_[n].link)
+      if (link >= 0) points.links[link].keeps_added_mass = false;
+  }
+  return some;
 }
 
 void PenaltyLinks::add_small_force(const std::vector<Secant>& secants, const double* x, const double (*motion)[6], double* force,

@@ -558,19 +558,6 @@ void PenaltyLinks::add_spring_energy(const Grid& grid, const BondEnd* ends, doub
   if (is_elastic()) U -= modal_energy();
 }
 
-bool PenaltyLinks::drop_added_mass(PointStore& points) {
-  bool some = false;
-  for (std::size_t n = 0; n < blocks_.size(); ++n) {
-    LinkFlags& h = link_flags_[n];
-    if (h.counts_for_added_mass == h.attached) continue;
-    some = true;
-    h.counts_for_added_mass = h.attached;
-    for (int link : blocks_[n].link)
-      if (link >= 0) points.links[link].keeps_added_mass = false;
-  }
-  return some;
-}
-
 void PenaltyLinks::remove_dropped(const PointStore& points, const BondRecord& record) {
   PenaltyLinks left(points, record, p_, cell_, density_, basis_);
   std::vector<const int*> columns_of(points.links.size(), nullptr);
@@ -614,7 +601,7 @@ void PenaltyLinks::share(AlikeLists& alike) {
 std::size_t PenaltyLinks::memory_usage() const {
   return blocks_.memory_usage() + columns_.memory_usage() + layers_.memory_usage() + link_flags_.capacity() * sizeof(LinkFlags) +
          states_.capacity() * sizeof(vd) + (moves_.capacity() + created_.capacity()) * sizeof(Positions) +
-         (dampers_.capacity() + strength_.capacity()) * sizeof(vd);
+         (dampers_.capacity() + strength_.capacity()) * sizeof(vd) + (elastic_ ? elastic_->memory_usage() : 0);
 }
 
 // Used in elastic_links.cpp.

@@ -66,13 +66,17 @@ void NodalForces::advance_film(Bond& b) {
   if (scene_.penalty) cracks_.note_film_failure(b);
 }
 
+// Links to elastic grains wait for the loads of the modes of all ranks.
+bool NodalForces::waits(Bond& b) {
+  if (!b.links.is_elastic() || !b.cut_by_ranks()) return false;
+  waiting_.push_back(&b);
+  return true;
+}
+
 // Bonds that ranks do not cut are completed at once, while they are in cache.
 void NodalForces::add_forces(Bond& b) {
   scene_.timer.start(StepTimer::kCoupling);
-  if (b.links.is_elastic() && b.cut_by_ranks()) {
-    waiting_.push_back(&b);
-    return;
-  }
+  if (waits(b)) return;
   follow_links(b);
   add_other_forces(b);
 }
@@ -247,10 +251,7 @@ void NodalForces::find_at_start() {
   begin(scene_.kick());
   for (Bond& b : scene_.bonds().resolved()) {
     b.transfer_change.clear();
-    if (b.links.is_elastic() && b.cut_by_ranks()) {
-      waiting_.push_back(&b);
-      continue;
-    }
+    if (waits(b)) continue;
     b.links.add_force(b.grid, scene_.grains.ends_of(b));
     add_other_forces_at_start(b);
   }

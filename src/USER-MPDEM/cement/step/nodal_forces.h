@@ -47,6 +47,7 @@ class NodalForces {
 
  private:
   BondContext at_work(Bond& b);
+  bool waits(Bond& b);
   void follow_links(Bond& b);
   void advance_film(Bond& b);
   void add_other_forces(Bond& b);
@@ -66,7 +67,7 @@ class NodalForces {
   const AddedMasses& added_;
   CondensedBonds& condensed_;
   Cracks& cracks_;
-  std::vector<Bond*> waiting_;  // bonds on elastic grains that ranks cut: their links wait for the loads of the modes of all ranks
+  std::vector<Bond*> waiting_;  // see waits()
   bool starts_ = false;         // find_at_start() is at work
   AdvanceResult pass_result_;
   double kick_ = 0.0;
