@@ -217,6 +217,27 @@ def test_drawn_values_in_the_table(tmp_path):
     assert set(rows["material"]) == {0.0}
 
 
+@pytest.mark.parametrize(
+    "words, couple, spread",
+    [
+        ("B0 1e3 cutoff 0.5 regularization crackband 0.3 scatter energy lognormal 0.3 seed 2", "", (0.0, 0.02)),
+        ("B0 1e5 cutoff 0.5 scatter interface lognormal 0.3 seed 4", "interface cohesive tn 3e6 tt 3e6 Gn 0.5 Gt 0.5", (0.15, 0.5)),
+    ],
+)
+def test_energy_and_interface(tmp_path, words, couple, spread):
+    """A drawn energy leaves the peaks alike, a drawn strength of the links does not; the energy balance closes."""
+    from pulled_bonds import script
+
+    text = edit(script("scatter", 8, steps=1200), "B0 1000 cutoff 0.5 scatter", words)
+    run(edit(text, "mpm/couple cem", f"mpm/couple cem {couple}"), tmp_path)
+    rows = np.genfromtxt(tmp_path / "bonds.csv", delimiter=",", names=True, dtype=None, encoding=None)
+    last = rows[rows["step"] == 1200]
+    peaks = last["peak_tension"]
+    assert np.all(last["attached"] < last["debonded"] + last["attached"])
+    assert spread[0] < np.ptp(peaks) / peaks.mean() and peaks.std() / peaks.mean() < spread[1]
+    assert np.abs(rows["energy_imbalance"]).max() < 1e-3
+
+
 # ------------------------------------------------------------------------ what is refused
 
 

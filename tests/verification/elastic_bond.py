@@ -216,8 +216,8 @@ def self_check():
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("shape", nargs="?", choices=("flat", "meniscus"))
-    for name, default in (("gap", 0.0), ("inner", 1e-3), ("outer", 2e-3), ("neck", 2e-3)):
-        parser.add_argument(f"--{name}", type=float, default=default, help=f"[m], default {default:g}")
+    for name, default in (("--gap", 0.0), ("--inner", 1e-3), ("--outer", 2e-3), ("--neck", 2e-3)):
+        parser.add_argument(name, type=float, default=default, help=f"[m], default {default:g}")
     parser.add_argument("--contact", type=float, default=0.0, help="[degrees]")
     parser.add_argument("--radius", type=float, nargs=2, default=(5e-3, 5e-3), help="[m] of both spheres")
     parser.add_argument("--cement", type=float, nargs="+", default=(60e9, 0.25), help="E nu, or the five constants of fix mpm")

@@ -79,7 +79,6 @@ void Film::lay_out(const BondRecord& record, const std::shared_ptr<const Law>& l
   if (empty()) return;
   points.set_law(law);
   points.arrange(1e6 * (record.radius[0] + record.radius[1]), Basis::quadratic);  // one cell for all, about the origin
-  second_grain_ = record.grain[1];
   for (int s = 0; s < 2; ++s) orientation_[s] = rotation_of(record.orientation[s]);
   columns_.assign(points.blocks.size(), Column{});
   for (Column& c : columns_)

@@ -167,7 +167,6 @@ class Film {
 
   std::vector<Column> columns_;
   std::vector<Faces> faces_;  // empty with perfect bond
-  int second_grain_ = 0;      // tag
   Mat3<double> orientation_[2];
 };
 

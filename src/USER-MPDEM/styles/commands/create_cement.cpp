@@ -53,7 +53,8 @@ std::vector<std::string> command_keywords() {
   for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
     for (const mpdem::ShapeOption& w : s.words)
       if (std::find(all.begin(), all.end(), w.name) == all.end()) all.push_back(w.name);
-  all.insert(all.end(), {"content", "file", "attach", "inner", "film", "spacing", "material", "density", "grid", "overlap", "points", "type"});
+  all.insert(all.end(),
+             {"content", "file", "attach", "inner", "film", "spacing", "material", "density", "grid", "overlap", "points", "type"});
   const std::vector<std::string> contents = mpdem::content_words();
   all.insert(all.end(), contents.begin(), contents.end());
   return all;
