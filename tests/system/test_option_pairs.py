@@ -41,6 +41,7 @@ COUPLE = {
     "damping": ["damping 0", "damping 0.1"],
     "interface": ["interface penalty", "interface cohesive tn 2e7 tt 2e7 Gn 10 Gt 10"],
     "friction": ["", "friction 0.3"],
+    "grains": ["grains rigid", "grains elastic 70e9 0.22"],
 }
 OPTIONS = {**CREATE, **MPM, **COUPLE}
 PAIRS = [frozenset([(a, x), (b, y)]) for a, b in itertools.combinations(OPTIONS, 2) for x in OPTIONS[a] for y in OPTIONS[b]]

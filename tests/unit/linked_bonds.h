@@ -35,8 +35,11 @@ struct Scene {
   std::vector<BondEnds::Motion> motion{4};  // motion of the ends 0 and 1 of bond 0, then of bond 1
   Random random;
 
-  // parts: number of layers of the second bond; width: points lie within this of the origin along each axis
-  Scene(std::uint64_t seed, const PenaltyParameters& p, Basis basis = Basis::quadratic, int parts = 2, double width = 0.15) : random(seed) {
+  // parts: number of layers of the second bond; width: points lie within this of the origin along each axis; grain_E: Young's modulus
+  // of the first grain of each bond, and half of that of the second; 0: rigid
+  Scene(std::uint64_t seed, const PenaltyParameters& p, Basis basis = Basis::quadratic, int parts = 2, double width = 0.15,
+        double grain_E = 0.0)
+      : random(seed) {
     int tag = 1;
     for (int b = 0; b < 2; ++b) {
       BondRecord& record = records[b];
@@ -49,6 +52,9 @@ struct Scene {
         copy((s ? 1.0 : -1.0) * (record.radius[s] + 0.02) * n, record.centre[s]);
         copy(Eigen::Quaterniond(random.frame()), record.orientation[s]);
         copy(10.0 * random.vector(), record.shift[s]);
+        record.grain_E[s] = (1.0 + s) * grain_E;
+        record.grain_nu[s] = 0.22;
+        record.patch[s][1] = 0.35;  // all points are within this angle
       }
       for (int i = 0; i < 60; ++i) {
         PointRecord r;

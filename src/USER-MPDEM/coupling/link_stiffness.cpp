@@ -1,14 +1,49 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Forces of the links due to small motions of nodes and grains.
+// Stiffness of the links: its row sums for the added mass, which links count for it, and forces due to small motions of nodes and grains.
 #include <algorithm>
 
 #include "../mpm/lane_by_lane.h"
 #include "../mpm/stiffness_matrix.h"
+#include "free_weights.h"
 #include "penalty_links.h"
 
 namespace mpdem {
+
+void PenaltyLinks::add_stiffness(const Grid& grid, const BondEnd* ends, double dt, double* penalty) const {
+  if (blocks_.empty()) return;
+  FreeWeights free(grid);
+  with_basis(basis_, [&](auto type) {
+    using Type = decltype(type);
+    for (const LinkBlock& b : blocks_) {
+      const std::uint8_t counting = link_flags_[number_of(b)].counts_for_added_mass;
+      if (!counting) continue;
+      const TractionStiffness& bound = p_.law->of_material(b.material).stiffness();
+      const double stiffest = p_.stiffest(b.material), k = elastic_ ? elastic_->side[b.side].end.softened(stiffest) : stiffest,
+                   damper = 2.0 * std::sqrt(std::max(bound.kn, bound.kt)) / dt;  // counts as a spring, see added_mass.h
+      const vd inertia = (1.0 + ends[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[number_of(b)]);
+      const Weights<Type> w(b.X, b.base, inverse_h_);
+      for (int l = 0; l < kLanes; ++l) {
+        if (!(counting >> l & 1)) continue;
+        free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l, inertia[l], penalty + b.side);
+      }
+    }
+  });
+}
+
+bool PenaltyLinks::drop_added_mass(PointStore& points) {
+  bool some = false;
+  for (std::size_t n = 0; n < blocks_.size(); ++n) {
+    LinkFlags& h = link_flags_[n];
+    if (h.counts_for_added_mass == h.attached) continue;
+    some = true;
+    h.counts_for_added_mass = h.attached;
+    for (int link : blocks_[n].link)
+      if (link >= 0) points.links[link].keeps_added_mass = false;
+  }
+  return some;
+}
 
 void PenaltyLinks::add_small_force(const std::vector<Secant>& secants, const double* x, const double (*motion)[6], double* force,
                                    double (*load)[6]) const {

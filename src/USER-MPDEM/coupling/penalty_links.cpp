@@ -9,7 +9,6 @@
 
 #include "../mpm/lane_by_lane.h"
 #include "../mpm/point_scatter.h"
-#include "free_weights.h"
 #include "rigid_motion.h"
 #include "traction_laws.h"
 
@@ -101,6 +100,7 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
       if (blocks_[n].link[l] >= 0) layers[kLanes * n + l] = points.meta[points.links[blocks_[n].link[l]].slot / kLanes].layer;
   take_states(points);
   find_strength(points, record);
+  if (record.grain_E[0] + record.grain_E[1] > 0.0) lay_out_elastic(record);
 }
 
 // Draws the factors at the foot points.
@@ -340,7 +340,7 @@ Power PenaltyLinks::damper_power(const Grid& grid, const BondEnd* ends) const {
         const Weights<Type> w(b.X, b.base, inverse_h_);
         vd q[3], delta[3], n[3], v[3], f[3], a[3];
         find_separation(b, grid, s, w, q, delta, n);
-        damper(b, grid, s, w, law.same_kind(b.material).secant(separation_of(delta, n), state(law, i)), q, n, v, f);
+        damper(b, grid, s, w, softened(b.side, law.same_kind(b.material).secant(separation_of(delta, n), state(law, i))), q, n, v, f);
         gather(grid.acceleration, b, w, a);
         for (int d = 0; d < 3; ++d) {
           const int e = (d + 1) % 3, g = (d + 2) % 3;
@@ -409,7 +409,9 @@ void PenaltyLinks::add_force_of(const L& law, std::size_t i, const Weights<Type>
   subtract_from_grain(q, f, s);
 }
 
-void PenaltyLinks::add_force(Grid& grid, BondEnd* ends) const {
+void PenaltyLinks::add_force(Grid& grid, BondEnd* ends) {
+  double released;
+  if (is_elastic()) return add_whole_elastic_force(grid, ends, 0.0, released);
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     each_attached(grid, ends, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
@@ -421,6 +423,7 @@ void PenaltyLinks::add_force(Grid& grid, BondEnd* ends) const {
 void PenaltyLinks::update_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step) {
   step.dissipated = step.released = 0.0;
   step.debond.clear();
+  if (is_elastic()) return add_whole_elastic_force(grid, ends, dt, step.released);
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& of_first) {
     each_attached(grid, ends, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
@@ -467,6 +470,9 @@ vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const
   const LinkBlock& b = blocks_[block];
   vd q[3], delta[3], n[3];
   with_basis(basis_, [&](auto type) { find_separation(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
+  if (is_elastic())
+    return masked(link_flags_[block].attached, b.area) *
+           softened(b.side, law.secant(separation_of(delta, n), state(law, block))).energy(separation_of(delta, n));
   return masked(link_flags_[block].attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
 }
 
@@ -510,7 +516,7 @@ vd PenaltyLinks::energy_at_debonding(const L& law, std::size_t block, const Grid
   for (int d = 0; d < 3; ++d) before[d] = delta[d] - dt * v[d];
   const vd product = before[0] * delta[0] + before[1] * delta[1] + before[2] * delta[2];
   const vd n_before = before[0] * n[0] + before[1] * n[1] + before[2] * n[2];
-  const TractionSecant k = law.secant(apart, state(law, block));
+  const TractionSecant k = softened(b.side, law.secant(apart, state(law, block)));
   return masked(link_flags_[block].attached, 0.5 * b.area) * (k.kt * product + (k.kn - k.kt) * apart.n * n_before);
 }
 
@@ -531,6 +537,7 @@ std::vector<int> PenaltyLinks::debond(PointStore& points, const std::vector<int>
       for (int l = 0; l < kLanes; ++l)
         if ((attached >> l & 1) && std::binary_search(of_failed.begin(), of_failed.end(), b.link[l]))
           freed |= static_cast<std::uint8_t>(1u << l);
+      if (freed && is_elastic()) add_freed(i, freed, grid, ends[b.side]);
       if (freed)
         release(i, freed, energy_at_debonding(law.same_kind(b.material), i, grid, ends[b.side], dt), law.leaves_residue(), points,
                 released);
@@ -548,19 +555,7 @@ void PenaltyLinks::add_spring_energy(const Grid& grid, const BondEnd* ends, doub
     for (std::size_t i = 0; i < blocks_.size(); ++i)
       if (link_flags_[i].attached) U += sum_lanes(energy(law.same_kind(blocks_[i].material), i, grid, ends[blocks_[i].side]));
   });
-}
-
-bool PenaltyLinks::drop_added_mass(PointStore& points) {
-  bool some = false;
-  for (std::size_t n = 0; n < blocks_.size(); ++n) {
-    LinkFlags& h = link_flags_[n];
-    if (h.counts_for_added_mass == h.attached) continue;
-    some = true;
-    h.counts_for_added_mass = h.attached;
-    for (int link : blocks_[n].link)
-      if (link >= 0) points.links[link].keeps_added_mass = false;
-  }
-  return some;
+  if (is_elastic()) U -= modal_energy();
 }
 
 void PenaltyLinks::remove_dropped(const PointStore& points, const BondRecord& record) {
@@ -573,28 +568,8 @@ void PenaltyLinks::remove_dropped(const PointStore& points, const BondRecord& re
   for (const LinkBlock& b : left.blocks_)
     for (int l = 0; l < kLanes; ++l, to += columns_of_cell_)
       if (b.link[l] >= 0) std::copy_n(columns_of[b.link[l]], columns_of_cell_, to);
+  left.continue_from(*this);
   *this = std::move(left);
-}
-
-void PenaltyLinks::add_stiffness(const Grid& grid, const BondEnd* ends, double dt, double* penalty) const {
-  if (blocks_.empty()) return;
-  FreeWeights free(grid);
-  with_basis(basis_, [&](auto type) {
-    using Type = decltype(type);
-    for (const LinkBlock& b : blocks_) {
-      const std::uint8_t counting = link_flags_[number_of(b)].counts_for_added_mass;
-      if (!counting) continue;
-      const TractionStiffness& bound = p_.law->of_material(b.material).stiffness();
-      const double k = p_.stiffest(b.material),
-                   damper = 2.0 * std::sqrt(std::max(bound.kn, bound.kt)) / dt;  // counts as a spring, see added_mass.h
-      const vd inertia = (1.0 + ends[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[number_of(b)]);
-      const Weights<Type> w(b.X, b.base, inverse_h_);
-      for (int l = 0; l < kLanes; ++l) {
-        if (!(counting >> l & 1)) continue;
-        free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l, inertia[l], penalty + b.side);
-      }
-    }
-  });
 }
 
 std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const BondEnd* ends) const {
@@ -607,7 +582,7 @@ std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const 
         Secant& s = secants[i];
         vd delta[3];
         find_separation(b, grid, ends[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), s.arm, delta, s.n);
-        const TractionSecant k = law.same_kind(b.material).secant(separation_of(delta, s.n), state(law, i));
+        const TractionSecant k = softened(b.side, law.same_kind(b.material).secant(separation_of(delta, s.n), state(law, i)));
         const vd area = masked(link_flags_[i].attached, b.area);
         s.kn = area * k.kn;
         s.kt = area * k.kt;
@@ -626,7 +601,25 @@ void PenaltyLinks::share(AlikeLists& alike) {
 std::size_t PenaltyLinks::memory_usage() const {
   return blocks_.memory_usage() + columns_.memory_usage() + layers_.memory_usage() + link_flags_.capacity() * sizeof(LinkFlags) +
          states_.capacity() * sizeof(vd) + (moves_.capacity() + created_.capacity()) * sizeof(Positions) +
-         (dampers_.capacity() + strength_.capacity()) * sizeof(vd);
+         (dampers_.capacity() + strength_.capacity()) * sizeof(vd) + (elastic_ ? elastic_->memory_usage() : 0);
 }
+
+// Used in elastic_links.cpp.
+template void PenaltyLinks::find_separation(const LinkBlock&, const Grid&, const BondEnd&, const Weights<LinearHat>&, vd*, vd*, vd*) const;
+template void PenaltyLinks::find_velocity(const LinkBlock&, const Grid&, const BondEnd&, const Weights<LinearHat>&, const vd*, vd*) const;
+template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<LinearHat>&, const TractionSecant&,
+                                   const vd*, const vd*, vd*, vd*) const;
+template void PenaltyLinks::find_separation(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, vd*, vd*,
+                                            vd*) const;
+template void PenaltyLinks::find_velocity(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, const vd*,
+                                          vd*) const;
+template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, const TractionSecant&,
+                                   const vd*, const vd*, vd*, vd*) const;
+template void PenaltyLinks::find_separation(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, vd*, vd*,
+                                            vd*) const;
+template void PenaltyLinks::find_velocity(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, const vd*,
+                                          vd*) const;
+template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, const TractionSecant&,
+                                   const vd*, const vd*, vd*, vd*) const;
 
 }  // namespace mpdem

@@ -31,6 +31,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "../mpm/grid.h"
@@ -38,6 +39,7 @@
 #include "../mpm/power.h"
 #include "../numerics/short_list.h"
 #include "bond_ends.h"
+#include "elastic_end.h"
 #include "traction_law.h"
 
 namespace mpdem {
@@ -103,7 +105,7 @@ class PenaltyLinks {
   void follow_layers(const PointStore& points, const Grid& grid, const std::vector<int>& new_index);
 
   // Adds the forces of the present positions and states to nodes and grains.
-  void add_force(Grid& grid, BondEnd* ends) const;
+  void add_force(Grid& grid, BondEnd* ends);
   // Updates the state of the traction law for the present positions, here and in the links of the store, and then adds
   // the forces. The positions are dt after the previous ones. Unchanged positions change no state.
   void update_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step);
@@ -138,6 +140,30 @@ class PenaltyLinks {
   // symmetric: the effect of a rotation on present forces is neglected.
   void add_small_force(const std::vector<Secant>& secants, const double* x, const double (*motion)[6], double* force,
                        double (*load)[6]) const;
+  // Elastic grains (elastic_end.h), in elastic_links.cpp. update_and_add_force() does all this for a bond that is whole on its rank.
+  // Where ranks cut a bond they sum the loads of the modes first, and their stiffness where it changed on any of them. Modes of a
+  // side are in the axes of its patch.
+  bool is_elastic() const { return elastic_.has_value(); }
+  int modal_size(int side) const { return elastic_->side[static_cast<std::size_t>(side)].end.size(); }
+  bool modal_stiffness_changed() const { return elastic_->stiffness_changed; }
+  bool some_debonded() const { return elastic_->some_debonded; }  // in this step
+  std::vector<double> modal_stiffness(int side) const;            // ElasticEnd::stiffness() of the links of this rank
+  Eigen::MatrixXd modal_response(int side, const std::vector<double>& of_all) const {
+    return elastic_->side[static_cast<std::size_t>(side)].end.response(of_all);
+  }
+  void take_modal_stiffness(int side, const std::vector<double>& of_all, bool debonded);
+  void find_modal_loads(const Grid& grid, const BondEnd* ends, double dt);
+  const Eigen::VectorXd& modal_loads(int side) const { return elastic_->side[static_cast<std::size_t>(side)].loads; }
+  void take_modal_loads(int side, const Eigen::VectorXd& of_all);
+  // Adds the forces for these loads. Returns the energy that the modes release with links that debond in this step.
+  double add_elastic_force(Grid& grid, BondEnd* ends);
+  // Takes over the motion of the surfaces from the links before a new layout.
+  void continue_from(const PenaltyLinks& before);
+  // For small motions as in add_small_force(): loads of the modes of both sides, and the forces due to their amplitudes.
+  std::array<Eigen::VectorXd, 2> small_modal_loads(const std::vector<Secant>& secants, const BondEnd* ends, const double* x,
+                                                   const double (*motion)[6]) const;
+  void add_small_elastic_force(const std::vector<Secant>& secants, const BondEnd* ends, const std::array<Eigen::VectorXd, 2>& amplitudes,
+                               double* force, double (*load)[6]) const;
   // The same stiffness in an assembled matrix: the nodes of the links, and their springs.
   void couple(StiffnessMatrix& matrix) const;
   void add_to(StiffnessMatrix& matrix, const std::vector<Secant>& secants) const;
@@ -256,6 +282,16 @@ class PenaltyLinks {
   void damper(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, const TractionSecant& k, const vd* q,
               const vd* n, vd* v, vd* f) const;
 
+  void lay_out_elastic(const BondRecord& record);
+  TractionSecant softened(int side, const TractionSecant& k) const {
+    return elastic_ ? elastic_->side[static_cast<std::size_t>(side)].end.softened(k) : k;
+  }
+  TractionSecant springs(const LinkBlock& b) const;  // of link and soft spring in series
+  Mat3<double> axes_of_patch(int side, const BondEnd& s) const;
+  void add_whole_elastic_force(Grid& grid, BondEnd* ends, double dt, double& released);
+  void add_freed(std::size_t block, std::uint8_t freed, const Grid& grid, const BondEnd& s);
+  double modal_energy() const;  // to be subtracted from the energy of the links; share of this rank
+
   PenaltyParameters p_;
   Basis basis_ = Basis::quadratic;
   double cell_ = 0, inverse_h_ = 0, density_ = 0;
@@ -265,12 +301,13 @@ class PenaltyLinks {
   SharedList<LinkBlock> blocks_;
   SharedList<int> columns_;
   SharedList<int> layers_;
-  std::vector<LinkFlags> link_flags_;  // one for each block
-  std::vector<vd> states_;             // states of the traction law, its fields for each block; equal to those of the store
-  std::vector<Positions> moves_;       // moves of the links of each block in this step, `kinematics updated` only
-  std::vector<Positions> created_;     // positions of the links of each block at creation; empty: where they act
-  std::vector<vd> strength_;           // drawn factor on the strength, for each block; empty without scatter
-  std::vector<vd> dampers_;            // damping coefficient over sqrt(k), for each block; empty without damping
+  std::vector<LinkFlags> link_flags_;   // one for each block
+  std::vector<vd> states_;              // states of the traction law, its fields for each block; equal to those of the store
+  std::vector<Positions> moves_;        // moves of the links of each block in this step, `kinematics updated` only
+  std::vector<Positions> created_;      // positions of the links of each block at creation; empty: where they act
+  std::vector<vd> strength_;            // drawn factor on the strength, for each block; empty without scatter
+  std::vector<vd> dampers_;             // damping coefficient over sqrt(k), for each block; empty without damping
+  std::optional<ElasticEnds> elastic_;  // none: both grains are rigid
   // Centres of the grains at creation, and the rotations from their frames to the axes of the bond.
   double centre_[2][3] = {};
   Mat3<double> orientation_[2];

@@ -35,12 +35,14 @@ struct BondRecord {
   double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // orientations of the grains at creation, to the axes of the bond
   double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};              // from unwrapped coordinates of LIGGGHTS to those of the bond
   double attached_area[2] = {0, 0};
-  double box[3] = {0, 0, 0};            // period of the box, 0 where there is none; shifts are multiples of it
-  AxisRule axis_rule = AxisRule::none;  // none: no material frames yet
-  double axis[3] = {0, 0, 0};           // direction of its axis, in the box
-  bool in_motion = false;               // a step was taken; displacements are those of the nodes
-  bool condensed = false;               // displacements follow from those of the grains, see coupling/condensed_bond.h
-  double rest_time = 0.0;               // time for which its pieces have been at rest, see cement/step/condensing.h
+  double grain_E[2] = {0, 0}, grain_nu[2] = {0, 0};  // elasticity of the grains; E = 0: rigid
+  double patch[2][2] = {{0, 0}, {0, 0}};  // least and largest angle of the attached surface from the line of centres; 0: not known
+  double box[3] = {0, 0, 0};              // period of the box, 0 where there is none; shifts are multiples of it
+  AxisRule axis_rule = AxisRule::none;    // none: no material frames yet
+  double axis[3] = {0, 0, 0};             // direction of its axis, in the box
+  bool in_motion = false;                 // a step was taken; displacements are those of the nodes
+  bool condensed = false;                 // displacements follow from those of the grains, see coupling/condensed_bond.h
+  double rest_time = 0.0;                 // time for which its pieces have been at rest, see cement/step/condensing.h
   double volume = 0;
   double spacing = 0;             // spacing of the lattice of points
   double lattice[3] = {0, 0, 0};  // a corner of the lattice, in reference coordinates
@@ -71,6 +73,9 @@ struct BondRecord {
     visit("the shift of a grain", b.shift, kFinite);
     // Patches of point files are flat, so their areas may sum to slightly more than that of the sphere.
     for (int s = 0; s < 2; ++s) visit("an attached area", b.attached_area[s], from(0.0, 1.1 * 4.0 * M_PI * b.radius[s] * b.radius[s]));
+    visit("Young's modulus of a grain", b.grain_E, kNotNegative);
+    visit("Poisson's ratio of a grain", b.grain_nu, from(-1.0, 0.5));
+    for (auto& angles : b.patch) visit("an angle of an attached surface", angles, from(0.0, 3.15));
     visit("the period of the box", b.box, kNotNegative);
     visit("the rule of its axis", b.axis_rule, from(0, static_cast<int>(AxisRule::global)));
     visit("the direction of its axis", b.axis, kFinite);

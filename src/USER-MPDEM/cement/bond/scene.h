@@ -65,6 +65,7 @@ struct Scene {
   const std::unique_ptr<const Formulation> formulation;
   std::shared_ptr<const Law> law;            // of material 0; it has those of the others
   std::optional<PenaltyParameters> penalty;  // parameters of the links; none: no links
+  bool elastic_grains = false;               // some bond has an elastic grain, see coupling/elastic_end.h
   double scaled_density = 0.0;               // density of the calcite times the mass scale
   BondedGrains grains;
   EnergyBalance energy;

@@ -37,6 +37,10 @@ class BondDescription {
     const double h = grid.h;
     for (int s = 0; s < 2; ++s) {
       add(&record.radius[s], 1, h);
+      if (record.grain_E[s] > 0.0) {
+        numbers_.insert(numbers_.end(), {record.grain_E[s], record.grain_nu[s]});
+        add(record.patch[s], 2, 1.0);
+      }
       add(record.centre[s], 3, h);
       add(ends[s].x, 3, h);
       // only the rotation since creation matters, not the orientation at creation

@@ -53,6 +53,7 @@ class Equations {
     for (std::size_t i = 0; i < stiffness.size(); ++i)
       if (moves(i)) square = std::max(square, stiffness[i] / system->grid.mass[i]);
     square = shift_share > 0.0 ? shift_share * largest(square) : 0.0;
+    find_response();
     if (!system) return;
     Grid& grid = system->grid;
     secants_ = system->links.secants(grid, system->ends);
@@ -75,12 +76,13 @@ class Equations {
   // Sets the values of constrained nodes in x.
   void force(std::vector<double>& x, const Motion& motion, std::vector<double>& out, Motion& load) {
     for (auto& of_grain : load) std::fill(of_grain, of_grain + 6, 0.0);
-    if (!system_) return;
+    if (!system_) return add_elastic_force(x, motion, out, load);
     Grid& grid = system_->grid;
     std::fill(out.begin(), out.end(), 0.0);
     grid.constraints.extend(x.data());
     add_stiffness_force(system_->points, grid, system_->law, x.data(), out.data());
     system_->links.add_small_force(secants_, x.data(), motion, out.data(), load);
+    add_elastic_force(x, motion, out, load);
     grid.constraints.gather_to_masters(out.data());
     grid.halo.sum(out.data(), 3);
   }
@@ -115,6 +117,31 @@ class Equations {
   }
 
  private:
+  // Elastic grains: the response of the modes of both sides, and their forces. Collective, also for ranks without a share.
+  void find_response() {
+    for (int side = 0; side < 2; ++side) modes_[side] = system_ && system_->links.is_elastic() ? system_->links.modal_size(side) : 0;
+    if (comm_ != MPI_COMM_SELF) MPI_Allreduce(MPI_IN_PLACE, modes_, 2, MPI_INT, MPI_MAX, comm_);
+    for (int side = 0; side < 2; ++side) {
+      if (modes_[side] == 0) continue;
+      std::vector<double> sums(static_cast<std::size_t>(modes_[side]) * (modes_[side] / 3 + 1), 0.0);
+      if (system_) sums = system_->links.modal_stiffness(side);
+      add_up(sums.data(), sums.size());
+      if (system_) response_[side] = system_->links.modal_response(side, sums);
+    }
+  }
+  void add_elastic_force(const std::vector<double>& x, const Motion& motion, std::vector<double>& out, Motion& load) {
+    if (modes_[0] + modes_[1] == 0) return;
+    std::array<Eigen::VectorXd, 2> modes{Eigen::VectorXd::Zero(modes_[0]), Eigen::VectorXd::Zero(modes_[1])};
+    if (system_) modes = system_->links.small_modal_loads(secants_, system_->ends, x.data(), motion);
+    for (std::size_t side = 0; side < 2; ++side) {
+      add_up(modes[side].data(), static_cast<std::size_t>(modes[side].size()));
+      if (system_ && modes_[side] > 0) modes[side] = response_[side] * modes[side];
+    }
+    if (system_) system_->links.add_small_elastic_force(secants_, system_->ends, modes, out.data(), load);
+  }
+  void add_up(double* values, std::size_t count) {
+    if (comm_ != MPI_COMM_SELF && count > 0) MPI_Allreduce(MPI_IN_PLACE, values, static_cast<int>(count), MPI_DOUBLE, MPI_SUM, comm_);
+  }
   void factorise(double least_pivot) {
     std::vector<char> is_unknown(inverse_.size());
     for (std::size_t i = 0; i < inverse_.size(); ++i) is_unknown[i] = inverse_[i] > 0.0;
@@ -136,6 +163,8 @@ class Equations {
   std::vector<PenaltyLinks::Secant> secants_;
   std::vector<double> inverse_;              // diagonal preconditioner, one number a node
   std::vector<double> shift_;                // shift of the operator, one number a node
+  int modes_[2] = {0, 0};                    // numbers of modes of elastic grains, three for each scalar mode
+  Eigen::MatrixXd response_[2];              // of these modes
   std::unique_ptr<StiffnessMatrix> matrix_;  // its factor is the preconditioner instead; null without
 };
 

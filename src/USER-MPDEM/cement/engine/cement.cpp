@@ -41,6 +41,12 @@ void Cement::couple(const PenaltyParameters* penalty) {
   if (penalty) scene_.penalty = *penalty;
 }
 
+void Cement::set_elastic_grains(const std::vector<ElasticPair>& of_rows) {
+  mpdem::set_elastic_grains(scene_.comm, scene_.bonds(), of_rows);
+  const auto is_elastic = [](const BondRecord& r) { return r.grain_E[0] + r.grain_E[1] > 0.0; };
+  scene_.elastic_grains = std::any_of(scene_.bonds().table.begin(), scene_.bonds().table.end(), is_elastic);
+}
+
 void Cement::read_point_states() {
   std::string trouble;
   for (Bond& b : scene_.bonds())

@@ -37,6 +37,7 @@
 #include "../step/stable_step.h"
 #include "../condensed/stiffness_of_bonds.h"
 #include "../step/substeps.h"
+#include "../layout/elastic_grains.h"
 #include "../step/work_of_step.h"
 
 namespace mpdem {
@@ -56,6 +57,8 @@ class Cement {
   double scaled_density() const { return scene_.scaled_density; }  // density times the mass scale
   // Sets the parameters of the links; null: no links.
   void couple(const PenaltyParameters* penalty);
+  // Collective. Sets which grains are elastic, see cement/layout/elastic_grains.h.
+  void set_elastic_grains(const std::vector<ElasticPair>& of_rows);
   const std::optional<PenaltyParameters>& penalty() const { return scene_.penalty; }
   bool leaves_residue() const { return scene_.leaves_residue(); }
 

@@ -167,6 +167,7 @@ void LayoutManager::install(std::vector<BondLayout>& layouts) {
     Bond& b = *scene_.bonds().find(l.row);
     b.points = std::move(l.points);
     b.grid = std::move(l.grid);
+    if (l.links.is_elastic()) l.links.continue_from(b.links);
     b.links = std::move(l.links);
     lay_out_film(b.film, scene_.bonds().record(b), scene_.options, scene_.law);
     start_anew(b);

@@ -47,9 +47,15 @@ class NodalForces {
 
  private:
   BondContext at_work(Bond& b);
+  bool waits(Bond& b);
   void follow_links(Bond& b);
   void advance_film(Bond& b);
+  void add_other_forces(Bond& b);
+  void add_other_forces_at_start(Bond& b);
   void end_forces(Bond& b);
+  void share_modal_loads();
+  template <class Get, class Take>
+  void sum_modes(int most, Get get, Take take);
   void complete(Bond& b);
   bool grains_need_accelerations() const { return (added_.any() || condensed_.any()) && scene_.grains.any_free(); }
   void find_grain_accelerations();
@@ -61,6 +67,8 @@ class NodalForces {
   const AddedMasses& added_;
   CondensedBonds& condensed_;
   Cracks& cracks_;
+  std::vector<Bond*> waiting_;  // see waits()
+  bool starts_ = false;         // find_at_start() is at work
   AdvanceResult pass_result_;
   double kick_ = 0.0;
 };

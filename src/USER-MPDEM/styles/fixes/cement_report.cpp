@@ -13,7 +13,7 @@
 #include "../words/arguments.h"
 #include "atom.h"
 #include "../guards/cement_checks.h"
-#include "../guards/unit_checks.h"
+#include "cement_warnings.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
@@ -130,8 +130,8 @@ void CementReport::parameters(Cement& c, bigint points) {
         text_of("  time step ", c.dt(), c.substeps() > 1 ? text_of(" of the cement, ", c.substeps(), " in one of ", lmp_->update->dt) : "",
                 ", stable up to ", word_of(exact, "", bound ? "at least " : "about "), told, "\n");
     tell(lmp_, text);
-    warn(c);
   }
+  if (!reported_) warn_of_cement(lmp_, who_, c);
   const bigint open = o.unilateral && !reported_ ? failed_without_damage(lmp_->world, c) : 0;
   if (open > 0)
     mpdem::warn(
@@ -198,33 +198,6 @@ void CementReport::damping(Cement& c) {
     stop_all(lmp_,
              who_ + text_of(c.stable_step().exceeds(damped.step), ": ", text, ", or 'timestep ", 0.9 * c.substeps() * damped.step, "'"));
   if (!reported_ && damped.step < 0.5 * damped.undamped) mpdem::warn(lmp_, who_ + text);
-}
-
-// Warns of numbers that no cement has, and of averages that are wider than the bonds.
-void CementReport::warn(Cement& c) const {
-  const Law& law = c.law();
-  for (const std::string& text : unlike_solids(law, c.density(), lmp_->update->unit_style)) mpdem::warn(lmp_, who_ + text);
-  if (law.inert()) return;
-  double wide = 0.0;  // diameter of a disc with the attached area
-  for (const BondRecord& b : c.bonds().table)
-    for (double area : b.attached_area) wide = std::max(wide, 2.0 * std::sqrt(area / M_PI));
-  const double length = c.options().length;
-  if (c.options().advance.nonlocal && length > wide)
-    mpdem::warn(lmp_, text_of(who_, "'regularization nonlocal ", length, "' averages over more than the width of the widest bond, ", wide,
-                              ", so that no crack is narrower than a bond; use a length well below that, in the units of the box"));
-  const double band = 2.0 * c.options().half_band;
-  int thin = 0;
-  double thinnest = band;
-  for (const BondRecord& b : c.bonds().table)
-    if (b.thickness > 0.0 && b.thickness < band) {
-      ++thin;
-      thinnest = std::min(thinnest, b.thickness);
-    }
-  if (thin > 0 && length <= wide && !c.leaves_residue())
-    mpdem::warn(lmp_, text_of(who_, "the band in which cement breaks with 'regularization nonlocal ", length, "' is ", band, " wide, and ",
-                              thin, " of ", c.bonds().table.size(), " bonds are thinner, the thinnest ", thinnest,
-                              ": all surface on which these separate counts as debonding; a length of ", length * thinnest / band,
-                              " or less, with cells of that, would tell"));
 }
 
 void CementReport::accelerations(Cement& c) {

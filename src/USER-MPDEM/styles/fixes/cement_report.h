@@ -57,7 +57,6 @@ class CementReport {
   void accelerations(Cement& c);  // warns once if they are imprecise
   void stop_if_not_positive(const Cement& c) const;
   void stop_if_too_long(Cement& c, double limit) const;
-  void warn(Cement& c) const;
   static bool is_listed(const BondState& bond);
   void sum_of_modes(const Cement& c, int lines) const;
   double limit_of_jumps(const Cement& c) const;

@@ -184,9 +184,20 @@ void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p
   if (!trouble.empty()) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): ", trouble));
   std::vector<mpdem::SceneOption> words;
   for (const std::string& one : said) words.push_back({one});
+  int film = std::any_of(avec_->bonds.begin(), avec_->bonds.end(), [](const mpdem::Bond& b) { return !b.film.empty(); });
+  MPI_Allreduce(MPI_IN_PLACE, &film, 1, MPI_INT, MPI_MAX, world);
+  if (film) words.push_back({"film joined", "create_cement"});
   refuse(text_of("fix mpm/couple (id ", coupling->id, "): "), std::move(words), false);
   cement_->couple(&p);
   set_time_step(coupling);
+}
+
+void FixMpm::set_grains(const Fix* coupling, const std::vector<mpdem::ElasticPair>& of_rows) {
+  try {
+    cement_->set_elastic_grains(of_rows);
+  } catch (const mpdem::BadState& e) {
+    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): ", e.what()));
+  }
 }
 
 // Stops if options of this fix and others exclude each other. from_here: does this fix report it?

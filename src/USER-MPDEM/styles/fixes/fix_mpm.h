@@ -87,6 +87,9 @@ class FixMpm : public Fix, private mpdem::CementHost {
   // Sets the coupling of fix mpm/couple. There may be one at most. said: its keywords and values.
   void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p, const std::vector<std::string>& said);
 
+  // Collective. Sets which grains are elastic, for both grains of each bond.
+  void set_grains(const Fix* coupling, const std::vector<mpdem::ElasticPair>& of_rows);
+
   const mpdem::Law& law() const { return cement_->law(); }
   // Words of the materials of cement_material, known from init() on.
   const std::vector<mpdem::MaterialWords>& materials() const { return materials_; }

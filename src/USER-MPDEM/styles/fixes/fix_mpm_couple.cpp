@@ -36,10 +36,27 @@ constexpr double kAutoOverC33 = 200.0;
 constexpr double kContactOverC33 = 5.0;
 constexpr double kMostFriction = 100.0;  // with more, rounding of the pressure would be a force
 
+constexpr double kLeastPoisson = -0.99, kMostPoisson = 0.499;
+
 using Words = mpdem::CouplingOptions;
 using CoupleKeyword = mpdem::Keyword<Words>;
 
 double stiffness(Arguments& args, const CoupleKeyword& k) { return args.accept("auto") ? -1.0 : args.positive(k.name, " or 'auto'"); }
+
+mpdem::GrainElasticity elasticity(Arguments& args) {
+  const double E = args.positive("grains elastic");
+  return {E, args.between("grains elastic", kLeastPoisson, kMostPoisson, "Poisson's ratio")};
+}
+
+std::vector<mpdem::ElasticType> elastic_types(Arguments& args) {
+  std::vector<mpdem::ElasticType> types{{0, elasticity(args)}};
+  for (;;) {
+    const bool own = args.accept("type");
+    if (!own && !args.accept("rigid")) return types;
+    const int type = args.integer(own ? "type" : "rigid", 1);
+    types.push_back({type, own ? elasticity(args) : mpdem::GrainElasticity()});
+  }
+}
 
 const std::vector<CoupleKeyword>& couple_keywords() {
   using mpdem::traction_entries;
@@ -61,6 +78,10 @@ const std::vector<CoupleKeyword>& couple_keywords() {
       {"friction", "mu", "",
        [](Arguments& args, const CoupleKeyword& k, Words& w) {
          w.friction = args.between(k.name, 0.0, kMostFriction, "coefficient of friction");
+       }},
+      {"grains", "rigid or elastic E nu [type T E nu] [rigid T]", "rigid",
+       [](Arguments& args, const CoupleKeyword& k, Words& w) {
+         w.grains = args.choice(k.name, {"rigid", "elastic"}) == "elastic" ? elastic_types(args) : std::vector<mpdem::ElasticType>();
        }},
       {"csv", "N file", "",
        [](Arguments& args, const CoupleKeyword& k, Words& w) {
@@ -125,6 +146,7 @@ void FixMpmCouple::init() {
   p.at_surface = words_.at_surface;
   p.friction = words_.friction;
   p.max_contact_stiffness = kContactOverC33 * cement_->law().elasticity().C33 / cement_->cell();
+  cement_->set_grains(this, elastic_grains());
   cement_->set_coupling(this, p, said_);
 
   mpdem::HostView view{
@@ -133,6 +155,33 @@ void FixMpmCouple::init() {
   mpdem::check_host(mpdem::kCoupling | (update->nsteps > 0 ? mpdem::kSteps : 0u), view);  // `run 0` moves nothing
 
   open_table();
+}
+
+// Collective. Grains of each bond.
+std::vector<mpdem::ElasticPair> FixMpmCouple::elastic_grains() const {
+  const std::vector<mpdem::BondRecord>& table = cement_->cement()->bonds.table;
+  std::vector<mpdem::ElasticPair> found(table.size());
+  if (words_.grains.empty()) return found;
+  std::vector<mpdem::GrainElasticity> of_types(static_cast<std::size_t>(atom->ntypes) + 1, words_.grains.front().elasticity);
+  for (const mpdem::ElasticType& t : words_.grains) {
+    if (t.type > atom->ntypes)
+      mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'grains' names atom type ", t.type, ", but the scene has types 1 to ",
+                                   atom->ntypes, "; use one of these"));
+    of_types[static_cast<std::size_t>(t.type)] = t.elasticity;
+  }
+  std::vector<int> types(2 * table.size(), 0);
+  for (std::size_t n = 0; n < types.size(); ++n) {
+    const int i = atom->map(table[n / 2].grain[n % 2]);
+    if (i >= 0 && i < atom->nlocal) types[n] = atom->type[i];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, types.data(), static_cast<int>(types.size()), MPI_INT, MPI_MAX, world);
+  for (std::size_t n = 0; n < types.size(); ++n) {
+    const mpdem::BondRecord& b = table[n / 2];
+    // a grain that left keeps what it had
+    found[n / 2][n % 2] =
+        types[n] > 0 ? of_types[static_cast<std::size_t>(types[n])] : mpdem::GrainElasticity{b.grain_E[n % 2], b.grain_nu[n % 2]};
+  }
+  return found;
 }
 
 // Makes the law of the links, and those of other materials.

@@ -21,11 +21,18 @@ FixStyle(mpm / couple, FixMpmCouple)
 
 namespace mpdem {
 
+// The elasticity of grains of an atom type; 0: of all other types.
+struct ElasticType {
+  int type;
+  GrainElasticity elasticity;
+};
+
 struct CouplingOptions {
   double kn = -1.0, kt = -1.0, length = -1.0;  // negative: auto for kn and kt, the cell for the length
   Choice<TractionEntry> interface {
     &traction_entries().front(), {}
   };
+  std::vector<ElasticType> grains;  // empty: all are rigid
   double damping = 0.0;
   double friction = -1.0;  // negative: debonded cement has no contact
   bool at_surface = true;
@@ -63,6 +70,7 @@ class FixMpmCouple : public Fix {
   FixMpm* find_cement() const;
   void take_cement();
   void check_bond(int bond_row);
+  std::vector<mpdem::ElasticPair> elastic_grains() const;
   std::shared_ptr<const mpdem::TractionLaw> traction_laws(double per_length) const;
   void warn_of_length(const mpdem::TractionLaw& law);
   void check_rounding(const char* keyword, double given, double per_length) const;

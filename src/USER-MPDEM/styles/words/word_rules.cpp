@@ -81,6 +81,14 @@ const Exclusion kExclusions[] = {
     {"scatter strength | scatter energy", "damage none", "nothing fails without a law of damage", "no such scatter, or 'damage tensor'"},
     {"points later", "axis global", "bonds of one template have the same axes",
      "'axis radial' or 'axis bond', or 'fix_modify ... points all', which makes all points now"},
+    {"grains elastic", kTransfers, "surfaces of elastic grains keep their reference",
+     "'grains rigid', or 'kinematics total' without 'reproject'"},
+    {"grains elastic", "interface cohesive", "elastic grains follow links that are springs", "'grains rigid' or 'interface penalty'"},
+    {"grains elastic", "friction", "debonded cement touches rigid grains", "'grains rigid', or no 'friction'"},
+    {"grains elastic", "at points", "elastic grains deform at their surface", "'grains rigid' or 'at surface'"},
+    {"grains elastic", "film joined", "columns of a film lie between rigid grains", "'grains rigid', or 'film grid' of create_cement"},
+    {"grains elastic", "points later", "bonds of one template may have other grains", "'grains rigid', or 'fix_modify ... points all'"},
+    {"grains elastic", "subcycle N above 1 | subcycle auto", "impulses are shared with rigid grains", "'grains rigid' or 'subcycle no'"},
 };
 
 bool is_number(const std::string& word, double& v) {

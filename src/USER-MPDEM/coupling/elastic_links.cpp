@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Links to elastic grains, see elastic_end.h. The traction law is that of springs.
+#include <algorithm>
+#include <cmath>
+
+#include "../mpm/lane_by_lane.h"
+#include "../numerics/cross_matrix.h"
+#include "penalty_links.h"
+#include "rigid_motion.h"
+
+namespace mpdem {
+
+namespace {
+
+// Modes in use. The radial functions are of the degree that the cells resolve, at most kMostDegree; harmonics of an intact patch
+// have at most order 2, and those beyond it belong to the tail.
+constexpr int kOrders = 2, kLeastDegree = 2, kMostDegreeOfRing = 8, kMostDegreeOfCap = 5;
+
+using Sums = vd[3 * ElasticEnd::kMostModes];
+
+// K' d for links of stiffness k along n and across it.
+void traction(const TractionSecant& k, const vd* d, const vd* n, vd* f) {
+  const vd along = (k.kn - k.kt) * (d[0] * n[0] + d[1] * n[1] + d[2] * n[2]);
+  for (int i = 0; i < 3; ++i) f[i] = k.kt * d[i] + along * n[i];
+}
+
+Eigen::VectorXd in_axes(const Mat3<double>& axes, const vd* sums, int size) {
+  Eigen::VectorXd v(size);
+  for (int i = 0; i < size; ++i) v[i] = sum_lanes(sums[i]);
+  return turned_modes(transpose(axes), v);
+}
+
+}  // namespace
+
+void PenaltyLinks::lay_out_elastic(const BondRecord& record) {
+  elastic_.emplace();
+  const Eigen::Vector3d centre[2] = {Eigen::Vector3d(record.centre[0][0], record.centre[0][1], record.centre[0][2]),
+                                     Eigen::Vector3d(record.centre[1][0], record.centre[1][1], record.centre[1][2])};
+  std::size_t first = 0;
+  for (int s = 0; s < 2; ++s) {
+    ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(s)];
+    e.first_block = first;
+    std::size_t end = first;
+    while (end < blocks_.size() && blocks_[end].side == s) ++end;
+    first = end;
+    if (record.grain_E[s] == 0.0) continue;
+    const double inner = record.patch[s][0], outer = record.patch[s][1];
+    const int across = static_cast<int>(std::lround(record.radius[s] * (outer - inner) / cell_));
+    const int degree = std::clamp(across, kLeastDegree, inner > 0.0 ? kMostDegreeOfRing : kMostDegreeOfCap);
+    const Eigen::Vector3d pole = (centre[1 - s] - centre[s]).normalized(), x = pole.unitOrthogonal(), y = pole.cross(x);
+    Mat3<double> axes;
+    for (int d = 0; d < 3; ++d) axes.a[d][0] = x[d], axes.a[d][1] = y[d], axes.a[d][2] = pole[d];
+    e.end = ElasticEnd(PatchCompliance::of(inner, outer, degree, kOrders, {record.grain_E[s], record.grain_nu[s]}, record.radius[s]), axes);
+    for (std::size_t i = e.first_block; i < end; ++i) {
+      const vd* X = created_at(blocks_[i]);
+      vd from[3], direction[3];
+      for (int d = 0; d < 3; ++d) from[d] = X[d] - centre[s][d];
+      const vd inverse = 1.0 / sqrt(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
+      for (int d = 0; d < 3; ++d) direction[d] = inverse * (axes.a[0][d] * from[0] + axes.a[1][d] * from[1] + axes.a[2][d] * from[2]);
+      e.end.add_block(direction);
+    }
+    e.loads = e.before = e.debonded_loads = Eigen::VectorXd::Zero(e.end.size());
+  }
+}
+
+Mat3<double> PenaltyLinks::axes_of_patch(int side, const BondEnd& s) const {
+  return product(s.R, product(transpose(orientation_[side]), elastic_->side[static_cast<std::size_t>(side)].end.axes()));
+}
+
+TractionSecant PenaltyLinks::springs(const LinkBlock& b) const {
+  const TractionStiffness& k = p_.law->of_material(b.material).stiffness();
+  return softened(b.side, {splat(k.kn), splat(k.kt)});
+}
+
+std::vector<double> PenaltyLinks::modal_stiffness(int side) const {
+  const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
+  std::size_t end = e.first_block;
+  while (end < blocks_.size() && blocks_[end].side == side) ++end;
+  e.chunks.resize((end - e.first_block + ElasticEnds::kChunk - 1) / ElasticEnds::kChunk);
+  std::vector<double> sums(static_cast<std::size_t>(e.end.size()) * static_cast<std::size_t>(e.end.modes() + 1), 0.0);
+  std::vector<TractionSecant> of_blocks;
+  for (std::size_t n = 0; n < e.chunks.size(); ++n) {
+    const std::size_t first = ElasticEnds::kChunk * n;
+    if (e.chunks[n].empty()) {
+      of_blocks.clear();
+      for (std::size_t i = e.first_block + first; i < std::min(end, e.first_block + first + ElasticEnds::kChunk); ++i) {
+        const vd area = masked(link_flags_[i].attached, blocks_[i].area);
+        const TractionSecant k = springs(blocks_[i]);
+        of_blocks.push_back({area * k.kn, area * k.kt});
+      }
+      e.chunks[n] = e.end.stiffness(first, of_blocks);
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += e.chunks[n][i];
+  }
+  return sums;
+}
+
+void PenaltyLinks::take_modal_stiffness(int side, const std::vector<double>& of_all, bool debonded) {
+  ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
+  e.response = e.end.response(of_all);
+  elastic_->some_debonded = elastic_->some_debonded || (debonded && e.amplitudes.size() > 0);
+  elastic_->stiffness_changed = false;
+}
+
+void PenaltyLinks::find_modal_loads(const Grid& grid, const BondEnd* ends, double dt) {
+  with_basis(basis_, [&](auto type) {
+    for (int side = 0; side < 2; ++side) {
+      ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
+      if (e.end.is_rigid()) continue;
+      const BondEnd& s = ends[side];
+      Sums sums, sums_before;
+      std::fill(sums, sums + e.end.size(), vd{});
+      std::fill(sums_before, sums_before + e.end.size(), vd{});
+      for (std::size_t i = e.first_block; i < blocks_.size() && blocks_[i].side == side; ++i) {
+        const LinkBlock& b = blocks_[i];
+        if (!link_flags_[i].attached) continue;
+        const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+        const vd area = masked(link_flags_[i].attached, b.area);
+        const TractionSecant k = springs(b);
+        vd q[3], delta[3], n[3], f[3];
+        find_separation(b, grid, s, w, q, delta, n);
+        traction(k, delta, n, f);
+        for (vd& component : f) component *= area;
+        e.end.add_loads(i - e.first_block, f, sums);
+        if (!elastic_->some_debonded) continue;
+        vd v[3];
+        find_velocity(b, grid, s, w, q, v);
+        for (int d = 0; d < 3; ++d) delta[d] -= dt * v[d];
+        traction(k, delta, n, f);
+        for (vd& component : f) component *= area;
+        e.end.add_loads(i - e.first_block, f, sums_before);
+      }
+      const Mat3<double> axes = axes_of_patch(side, s);
+      e.loads = in_axes(axes, sums, e.end.size());
+      if (elastic_->some_debonded) e.before = in_axes(axes, sums_before, e.end.size());
+    }
+  });
+}
+
+// Central differences of the springs of all links, before and after some of them debond. See energy_at_debonding(), which has the
+// part without the modes.
+void PenaltyLinks::take_modal_loads(int side, const Eigen::VectorXd& of_all) {
+  ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
+  const Eigen::VectorXd now = e.response * of_all;
+  elastic_->released += elastic_->some_debonded ? 0.5 * (e.before.dot(now) - (e.loads + e.debonded_loads).dot(e.amplitudes)) : 0.0;
+  e.amplitudes = now;
+  e.debonded_loads.setZero();
+}
+
+double PenaltyLinks::add_elastic_force(Grid& grid, BondEnd* ends) {
+  with_basis(basis_, [&](auto type) {
+    for (int side = 0; side < 2; ++side) {
+      const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
+      BondEnd& s = ends[side];
+      const Eigen::VectorXd amplitudes = e.end.is_rigid() ? Eigen::VectorXd() : turned_modes(axes_of_patch(side, s), e.amplitudes);
+      for (std::size_t i = e.first_block; i < blocks_.size() && blocks_[i].side == side; ++i) {
+        const LinkBlock& b = blocks_[i];
+        const std::uint8_t attached = link_flags_[i].attached;
+        if (!attached) continue;
+        const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+        const vd area = masked(attached, b.area);
+        const TractionSecant k = springs(b);
+        vd q[3], delta[3], n[3], u[3] = {}, f[3];
+        find_separation(b, grid, s, w, q, delta, n);
+        if (!e.end.is_rigid()) e.end.displacement(i - e.first_block, amplitudes.data(), u);
+        for (int d = 0; d < 3; ++d) u[d] = delta[d] - u[d];
+        traction(k, u, n, f);
+        for (int d = 0; d < 3; ++d) f[d] *= -area;
+        if (p_.damping > 0.0) {
+          vd v[3], by_damper[3];
+          damper(b, grid, s, w, k, q, n, v, by_damper);
+          for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
+        }
+        scatter_value_by_lane(grid.force.data(), attached, columns(b), w, f);
+        subtract_from_grain(q, f, s);
+      }
+    }
+  });
+  const double released = elastic_->released;
+  elastic_->released = 0.0;
+  elastic_->some_debonded = false;
+  return released;
+}
+
+void PenaltyLinks::add_whole_elastic_force(Grid& grid, BondEnd* ends, double dt, double& released) {
+  for (int side = 0; side < 2 && elastic_->stiffness_changed; ++side)
+    if (!elastic_->side[static_cast<std::size_t>(side)].end.is_rigid())
+      elastic_->side[static_cast<std::size_t>(side)].response =
+          elastic_->side[static_cast<std::size_t>(side)].end.response(modal_stiffness(side));
+  elastic_->stiffness_changed = false;
+  find_modal_loads(grid, ends, dt);
+  for (int side = 0; side < 2; ++side)
+    if (!elastic_->side[static_cast<std::size_t>(side)].end.is_rigid())
+      take_modal_loads(side, Eigen::VectorXd(elastic_->side[static_cast<std::size_t>(side)].loads));
+  released += add_elastic_force(grid, ends);
+}
+
+void PenaltyLinks::add_freed(std::size_t i, std::uint8_t freed, const Grid& grid, const BondEnd& s) {
+  const LinkBlock& b = blocks_[i];
+  ElasticEnds::Side& e = elastic_->side[b.side];
+  elastic_->stiffness_changed = true;
+  if (!e.chunks.empty()) e.chunks[(i - e.first_block) / ElasticEnds::kChunk].clear();
+  if (e.end.is_rigid() || e.amplitudes.size() == 0) return;
+  elastic_->some_debonded = true;
+  const TractionSecant k = springs(b);
+  vd q[3], delta[3], n[3], f[3];
+  with_basis(basis_, [&](auto type) { find_separation(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
+  traction(k, delta, n, f);
+  for (vd& component : f) component *= masked(freed, b.area);
+  Sums sums;
+  std::fill(sums, sums + e.end.size(), vd{});
+  e.end.add_loads(i - e.first_block, f, sums);
+  e.debonded_loads += in_axes(axes_of_patch(b.side, s), sums, e.end.size());
+}
+
+double PenaltyLinks::modal_energy() const {
+  double energy = 0.0;
+  for (const ElasticEnds::Side& e : elastic_->side)
+    if (e.amplitudes.size() > 0) energy += 0.5 * e.loads.dot(e.amplitudes);
+  return energy;
+}
+
+void PenaltyLinks::continue_from(const PenaltyLinks& before) {
+  if (!elastic_ || !before.elastic_) return;
+  for (std::size_t s = 0; s < 2; ++s) {
+    ElasticEnds::Side& to = elastic_->side[s];
+    const ElasticEnds::Side& from = before.elastic_->side[s];
+    if (to.end.size() != from.end.size()) continue;
+    to.amplitudes = from.amplitudes;
+    to.loads = from.loads;
+  }
+}
+
+std::array<Eigen::VectorXd, 2> PenaltyLinks::small_modal_loads(const std::vector<Secant>& secants, const BondEnd* ends, const double* x,
+                                                               const double (*motion)[6]) const {
+  std::array<Eigen::VectorXd, 2> loads;
+  with_basis(basis_, [&](auto type) {
+    for (int side = 0; side < 2; ++side) {
+      const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
+      Sums sums;
+      std::fill(sums, sums + e.end.size(), vd{});
+      const double* g = motion[side];
+      for (std::size_t i = e.first_block; i < blocks_.size() && blocks_[i].side == side && !e.end.is_rigid(); ++i) {
+        const LinkBlock& b = blocks_[i];
+        const Secant& s = secants[i];
+        vd u[3], f[3];
+        gather_value_by_lane(x, b.taken(), columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), u);
+        for (int d = 0; d < 3; ++d) {
+          const int e1 = (d + 1) % 3, e2 = (d + 2) % 3;
+          u[d] -= g[d] + g[3 + e1] * s.arm[e2] - g[3 + e2] * s.arm[e1];
+        }
+        traction({s.kn, s.kt}, u, s.n, f);
+        e.end.add_loads(i - e.first_block, f, sums);
+      }
+      loads[static_cast<std::size_t>(side)] =
+          e.end.is_rigid() ? Eigen::VectorXd() : in_axes(axes_of_patch(side, ends[side]), sums, e.end.size());
+    }
+  });
+  return loads;
+}
+
+void PenaltyLinks::add_small_elastic_force(const std::vector<Secant>& secants, const BondEnd* ends,
+                                           const std::array<Eigen::VectorXd, 2>& amplitudes, double* force, double (*load)[6]) const {
+  with_basis(basis_, [&](auto type) {
+    for (int side = 0; side < 2; ++side) {
+      const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
+      if (e.end.is_rigid()) continue;
+      const Eigen::VectorXd turned = turned_modes(axes_of_patch(side, ends[side]), amplitudes[static_cast<std::size_t>(side)]);
+      double* to = load[side];
+      for (std::size_t i = e.first_block; i < blocks_.size() && blocks_[i].side == side; ++i) {
+        const LinkBlock& b = blocks_[i];
+        const std::uint8_t attached = link_flags_[i].attached;
+        if (!attached) continue;
+        const Secant& s = secants[i];
+        vd u[3], f[3];
+        e.end.displacement(i - e.first_block, turned.data(), u);
+        traction({s.kn, s.kt}, u, s.n, f);
+        scatter_value_by_lane(force, attached, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), f);
+        for (int d = 0; d < 3; ++d) {
+          const int e1 = (d + 1) % 3, e2 = (d + 2) % 3;
+          to[d] -= sum_lanes(f[d]);
+          to[3 + d] -= sum_lanes(s.arm[e1] * f[e2] - s.arm[e2] * f[e1]);
+        }
+      }
+    }
+  });
+}
+
+}  // namespace mpdem
