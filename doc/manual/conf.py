@@ -25,7 +25,7 @@ root_doc = "doc/manual/contents"
 include_patterns = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "doc/*.md", "doc/manual/contents.rst", "patches/README.md", "tests/mutation/README.md"]
 myst_heading_anchors = 5  # links to headings use the names that GitHub gives them
 myst_enable_extensions = ["dollarmath"]  # $...$ and $$...$$, by the rules of GitHub
-myst_dmath_allow_space = myst_dmath_allow_digits = False
+myst_dmath_allow_space = False
 myst_update_mathjax = False
 html_theme = "furo"
 html_title = f"{project} {release}"
@@ -40,7 +40,7 @@ mathjax2_config = {
     "messageStyle": "none",
     "menuSettings": {"zoom": "None"},
     "tex2jax": {"ignoreClass": ".*", "processClass": "math"},
-    "SVG": {"font": "TeX", "linebreaks": {"automatic": False}},
+    "SVG": {"font": "TeX", "scale": 92, "linebreaks": {"automatic": False}},
 }
 latex_engine = "xelatex"
 latex_documents = [(root_doc, "user-mpdem.tex", f"{project} {release}", author, "manual")]
@@ -81,6 +81,7 @@ def languages():
 
 
 ANCHOR = re.compile(r'^<a id="([\w-]+)"></a>', re.MULTILINE)
+MOVING = re.compile(r"!\[([^\]]*)\]\([^)]*\.gif\)")
 LINK = re.compile(r"\]\(([^()\s#]*)#([\w-]+)\)")
 
 
@@ -126,10 +127,28 @@ def copy_mathjax(app, exception):
     shutil.copy2("/usr/share/doc/libjs-mathjax/copyright", Path(app.outdir) / "_static" / "mathjax" / "copyright")
 
 
+def join_scripts(app, exception):
+    """Debian's Furo imports one script in another, which browsers refuse: without this there is no choice of dark or light."""
+    folder = Path(app.outdir) / "_static" / "scripts"
+    if exception or app.builder.format != "html" or not (folder / "gumshoe-patched.js").is_file():
+        return
+    furo = (folder / "furo.js").read_text(encoding="utf-8")
+    first, _, rest = furo.partition("\n")
+    if first.startswith("import Gumshoe"):
+        (folder / "furo.js").write_text((folder / "gumshoe-patched.js").read_text(encoding="utf-8") + "(function () {\n" + rest + "})();\n", encoding="utf-8")
+
+
 def setup(app):
     known = anchors()
-    app.connect("source-read", lambda _app, name, source: source.__setitem__(0, for_myst(known, f"{name}.md", source[0])))
+
+    def read(app, name, source):
+        text = for_myst(known, f"{name}.md", source[0])
+        # Paper shows no film, and LaTeX cannot read its file.
+        source[0] = MOVING.sub(r"*(A film in the HTML manual: \1)*", text) if app.builder.format == "latex" else text
+
+    app.connect("source-read", read)
     app.connect("build-finished", copy_mathjax)
+    app.connect("build-finished", join_scripts)
     app.add_lexer("liggghts", ScriptLexer)
     for language in languages():
         if language.startswith("liggghts-"):
