@@ -4,6 +4,7 @@
 import os
 import re
 import shutil
+import subprocess
 from pathlib import Path
 
 from pygments.lexer import RegexLexer
@@ -138,6 +139,18 @@ def join_scripts(app, exception):
         (folder / "furo.js").write_text((folder / "gumshoe-patched.js").read_text(encoding="utf-8") + "(function () {\n" + rest + "})();\n", encoding="utf-8")
 
 
+def drawings_for_paper(app, exception):
+    """LaTeX reads no SVG: drawings become PDF."""
+    if exception or app.builder.format != "latex":
+        return
+    tex = Path(app.outdir) / "user-mpdem.tex"
+    text = tex.read_text(encoding="utf-8")
+    for drawing in sorted(Path(app.outdir).glob("*.svg")):
+        subprocess.run(["rsvg-convert", "--format=pdf", f"--output={drawing.with_suffix('.pdf')}", drawing], check=True)
+        text = text.replace(f"{{{{{drawing.stem}}}.svg}}", f"{{{{{drawing.stem}}}.pdf}}")
+    tex.write_text(text, encoding="utf-8")
+
+
 def setup(app):
     known = anchors()
 
@@ -149,6 +162,7 @@ def setup(app):
     app.connect("source-read", read)
     app.connect("build-finished", copy_mathjax)
     app.connect("build-finished", join_scripts)
+    app.connect("build-finished", drawings_for_paper)
     app.add_lexer("liggghts", ScriptLexer)
     for language in languages():
         if language.startswith("liggghts-"):
