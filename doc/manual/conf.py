@@ -7,6 +7,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
+from docutils import nodes
 from pygments.lexer import RegexLexer
 from pygments.lexers.shell import BashLexer
 from pygments.token import Comment, Keyword, Name, Number, Punctuation, Text
@@ -44,7 +45,7 @@ mathjax2_config = {
     "SVG": {"font": "TeX", "scale": 92, "linebreaks": {"automatic": False}},
 }
 latex_engine = "xelatex"
-latex_documents = [(root_doc, "user-mpdem.tex", f"{project} {release}", author, "manual")]
+latex_documents = [(root_doc, "user-mpdem.tex", project, author, "manual")]
 
 
 class ScriptLexer(RegexLexer):
@@ -139,6 +140,23 @@ def join_scripts(app, exception):
         (folder / "furo.js").write_text((folder / "gumshoe-patched.js").read_text(encoding="utf-8") + "(function () {\n" + rest + "})();\n", encoding="utf-8")
 
 
+def wrap_long_tables(app, doctree, _name):
+    """In LaTeX tables of many rows must be able to go over pages, and then need widths of their columns: of the longest word, and what a line has left."""
+    if app.builder.format != "latex":
+        return
+    for table in doctree.findall(nodes.table):
+        rows = [[entry.astext() for entry in row.findall(nodes.entry)] for row in table.findall(nodes.row)]
+        columns = list(table.findall(nodes.colspec))
+        if len(rows) <= 12 or any(len(row) != len(columns) for row in rows):
+            continue
+        words = [max(len(word) for text in texts for word in text.split() or [""]) for texts in zip(*rows)]
+        mean = [sum(map(len, texts)) / len(texts) for texts in zip(*rows)]
+        left = max(0, 95 - sum(min(word, 24) + 4 for word in words))  # of some 95 letters a line
+        for column, word, length in zip(columns, words, mean):
+            column["colwidth"] = round(min(word, 24) + 4 + left * length / sum(mean))
+        table["classes"] += ["colwidths-given", "longtable"]
+
+
 def drawings_for_paper(app, exception):
     """LaTeX reads no SVG: drawings become PDF."""
     if exception or app.builder.format != "latex":
@@ -162,6 +180,7 @@ def setup(app):
     app.connect("source-read", read)
     app.connect("build-finished", copy_mathjax)
     app.connect("build-finished", join_scripts)
+    app.connect("doctree-resolved", wrap_long_tables)
     app.connect("build-finished", drawings_for_paper)
     app.add_lexer("liggghts", ScriptLexer)
     for language in languages():
