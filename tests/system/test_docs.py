@@ -193,6 +193,26 @@ def test_blocks_say_what_they_are(page):
     assert not [(head, line) for head, line in indented(page) if head != "Syntax"]
 
 
+def uneven_rows(text):
+    """Rows of tables with other numbers of cells than the head; a | in a cell has a backslash, also in code."""
+    wrong, cells = [], 0
+    for line in text.splitlines():
+        count = len(re.findall(r"(?<!\\)\|", line)) if line.startswith("|") else 0
+        if count and cells and count != cells:
+            wrong.append(line)
+        cells = cells or count if count else 0
+    return wrong
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_rows_have_the_cells_of_their_table(page):
+    assert not uneven_rows(prose(page))
+
+
+def test_an_uneven_row_is_found():
+    assert uneven_rows("| a | b |\n|---|---|\n| `x|y` | 1 |\n") and not uneven_rows("| a | b |\n|---|---|\n| `x\\|y` | 1 |\n\n| a |\n|---|\n")
+
+
 # --------------------------------------------------------------------------------------------------- commands
 
 
