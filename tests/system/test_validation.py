@@ -110,10 +110,13 @@ def test_page_of_validation():
         assert cells[2] == f"{row['ucs_lowest_MPa']:g} to {row['ucs_highest_MPa']:g}" and cells[3] == f"{median:g}"
         measured = content < 1.1 * mine[-1, 0]
         assert cells[4:] == [f"{here:.2g}" if measured else "", f"{here / median:.2g}" if measured else "", f"{share:.0f} %"]
-    text = (ROOT / "doc" / "validation.md").read_text()
     stored = json.loads((DATA / "validation.json").read_text())
-    run = stored["active_share_run"]
-    assert f"carry {1e-6 * run['strength']:.2g} MPa" in text and f"{100 * run['at_contacts']:.0f} %" in text
+    rows = page_rows("validation.md", "80 beads: calcite, %")
+    assert len(rows) == len(stored["active_share_runs"])
+    for cells, run in zip(rows, stored["active_share_runs"]):
+        assert cells[0] == f"{100 * run['calcite']:.3g}" and cells[1] == f"{100 * run['at_contacts']:.0f} %" and cells[2] == f"{1e-6 * run['strength']:.2g}"
+        nearest = min(whole, key=lambda row: abs(row["calcite_median_percent"] - 100 * run["calcite"]))
+        assert cells[3] == f"{nearest['ucs_median_MPa']:.2g}"
     waves = page_rows("validation.md", "calcite of all")
     assert len(waves) == len(stored["waves"])
     for cells, wave in zip(waves, stored["waves"]):

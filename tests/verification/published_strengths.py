@@ -5,7 +5,8 @@
     tests/verification/published_strengths.py FIGURE
 
 Reads doc/data/published_ucs.csv (numbers, medians and ranges of published specimens in classes of content) and
-doc/data/specimen.csv (the 150 beads of doc/specimen.md), prints the table of doc/validation.md and draws the figure.
+doc/data/specimen.csv (the 150 beads of doc/specimen.md), and doc/data/validation.json (80 beads with a share of their calcite at
+contacts), prints the table of doc/validation.md and draws the figure.
 Needs Debian's python3-numpy and python3-matplotlib.
 """
 import csv
@@ -57,7 +58,7 @@ def main():
     plt.rcParams.update({"font.size": 8, "legend.fontsize": 6.5, "axes.linewidth": 0.6, "savefig.dpi": 200, "xtick.direction": "in", "ytick.direction": "in"})
     studies, mine = published(), ours()
     with open(os.path.join(DATA, "validation.json"), encoding="utf-8") as f:
-        extra = json.load(f)["active_share_run"]
+        checks = json.load(f)["active_share_runs"]
     fig, (ax, share) = plt.subplots(1, 2, figsize=(7.5, 4.4), gridspec_kw={"width_ratios": (1.45, 1.0)})
     shown = [name for name, rows in studies.items() if name != ALL and len(rows) > 2]
     for i, name in enumerate(shown):
@@ -91,14 +92,9 @@ def main():
         lw=0.9,
         label=f"the same, B0 for the median at {mine[-1, 0]:.1f} %",
     )
-    ax.plot(
-        [100 * extra["calcite"]],
-        [1e-6 * extra["strength"]],
-        "*",
-        color="#c1272d",
-        ms=11,
-        label=f"80 beads here, {100 * extra['at_contacts']:.0f} % of it at contacts",
-    )
+    stars = [[100 * c["calcite"] for c in checks], [1e-6 * c["strength"] for c in checks]]
+    shares = ", ".join(f"{100 * c['at_contacts']:.0f}" for c in checks)
+    ax.plot(*stars, "*", color="#c1272d", ms=9, zorder=9, label=f"80 beads here, {shares} % at contacts")
     ax.set_yscale("log")
     ax.set_ylim(0.04, 20)
     ax.set_xlabel("calcite over mass of the grains, %")
