@@ -7,7 +7,7 @@
 
 Reads bond_NAME.csv of `fix mpm/couple` and the text dumps cut_NAME.*.txt of a slice at y = 0 (x y z, id, and compute mpm/atom
 with the ID damage and the ID failed), as examples/pair_flat writes them. Displacements are drawn `magnify` times as large as they are.
-Frames lie evenly along the curve of tension against opening. Needs Debian's python3-numpy, python3-matplotlib and python3-pil.
+Frames lie evenly along the curve of tension against opening. Needs Debian's python3-numpy, python3-pandas, python3-matplotlib and python3-pil.
 """
 import argparse
 import os
@@ -20,7 +20,7 @@ try:
     from mpdem import movie, run
 except ImportError as missing:
     sys.exit(
-        f"mpdem_movie.py: {missing}; apt-get install python3-numpy python3-matplotlib python3-pil, "
+        f"mpdem_movie.py: {missing}; apt-get install python3-numpy python3-pandas python3-matplotlib python3-pil, "
         "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
     )
 

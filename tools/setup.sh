@@ -5,14 +5,14 @@
 # one line to run and stops.
 set -eu
 packages="g++ make cmake liggghts libliggghts-dev libeigen3-dev libopenmpi-dev openmpi-bin openssh-client
-          libgtest-dev libbenchmark-dev python3-numpy python3-scipy python3-matplotlib python3-pil python3-pytest
+          libgtest-dev libbenchmark-dev python3-numpy python3-pandas python3-scipy python3-matplotlib python3-pil python3-pytest
           python3-vtk9 patch xz-utils"
 docs="python3-sphinx python3-myst-parser furo"
 for word in "$@"; do
   case "$word" in
     docs) packages="$packages $docs" ;;
     pdf) packages="$packages latexmk texlive-xetex texlive-latex-extra fonts-freefont-otf librsvg2-bin" ;;
-    tests) packages="$packages $docs git clang-format black flake8 mypy" ;;
+    tests) packages="$packages $docs git clang-format black flake8 mypy python3-pip" ;;
     deep) packages="$packages clang clang-tidy" ;;
     *) echo "$0: '$word' is none of: docs, pdf, tests, deep" >&2; exit 1 ;;
   esac

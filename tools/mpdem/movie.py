@@ -45,6 +45,7 @@ def draw(bond, dumps, radius, magnify):
     return pictures
 
 
+@figures.styled
 def picture(bond, step, end, frame, start, half, radius, magnify):
     fig = plt.figure(figsize=SIZE, dpi=DPI)
     cut(fig.add_axes([0.015, 0.12, 0.56, 0.79]), bond, step, frame, start, half, radius, magnify)
