@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The Python package mpdem: what it reads of a pair and of a specimen is what their files have, with units; plain errors; figures; installation."""
 import csv
+import os
 import re
 import shutil
 import subprocess
@@ -259,6 +260,61 @@ def test_picture_tool(specimen, tmp_path):
     for words, message in ((["interface", "d.png"], "no column"), (["packing", "d.png", "--column", "x"], "no column 'x' of the bonds")):
         done = subprocess.run([*tool, *words], cwd=tmp_path, capture_output=True, text=True)
         assert done.returncode == 1 and message in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
+
+
+def frames_of(path):
+    """Number of frames, width and height of a film."""
+    words = ["ffprobe", "-v", "error", "-count_frames", "-select_streams", "v:0", "-show_entries", "stream=nb_read_frames,width,height", "-of", "csv=p=0"]
+    wide, high, count = subprocess.run([*words, path], capture_output=True, text=True, check=True).stdout.strip().split(",")[:3]
+    return int(count), int(wide), int(high)
+
+
+@pytest.mark.parametrize("name, least", [("a.gif", 8), ("a.mp4", 8), ("a.webm", 8)])
+def test_movie_of_a_bond(name, least, pair, tmp_path):
+    """From the dumps of all points of examples/pair_table, by one command, as GIF or film."""
+    if not name.endswith("gif") and not shutil.which("ffmpeg"):
+        pytest.skip("needs ffmpeg")
+    done = subprocess.run(["/usr/bin/python3", ROOT / "tools" / "mpdem_movie.py", pair, "--out", tmp_path / name], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    told = int(re.search(r"(\d+) frames", done.stdout)[1])
+    assert told >= least and (tmp_path / name).stat().st_size > 10000
+    if not name.endswith("gif"):
+        count, wide, high = frames_of(tmp_path / name)
+        assert count >= told and wide == 792 and high == 302
+
+
+@pytest.mark.skipif(not shutil.which("xvfb-run") or not shutil.which("ffmpeg"), reason="needs xvfb and ffmpeg")
+def test_movie_and_picture_of_a_specimen(specimen, tmp_path):
+    """Without a screen, by one command each: frames beside the curve; panels. What is missing is said in one line."""
+    environment = {k: v for k, v in os.environ.items() if k != "DISPLAY"}
+
+    def tool(name, *words):
+        return subprocess.run(["/usr/bin/python3", ROOT / "tools" / name, *words], capture_output=True, text=True, env=environment)
+
+    done = tool("mpdem_movie.py", specimen, "--out", tmp_path / "a.mp4", "--frames", "3")
+    assert done.returncode == 0, done.stderr
+    count, wide, high = frames_of(tmp_path / "a.mp4")
+    assert count >= 3 and (wide, high) == (792, 450)
+    done = tool("vtk_picture.py", specimen, tmp_path / "a.png", "--dpi", "80", "--column", "c_stress")
+    assert done.returncode == 0 and (tmp_path / "a.png").stat().st_size > 30000, done.stderr
+    from PIL import Image
+
+    colours = Image.open(tmp_path / "a.png").convert("RGB").getcolors(10**6)
+    assert sum(n for n, c in colours if c[0] > 150 and c[1] < 90 and c[2] < 90) > 200, "failed points are red"
+    for words, message in ((["--steps", "1"], "no files of step 1"), (["--column", "c_x"], "no array c_x")):
+        done = tool("vtk_picture.py", specimen, tmp_path / "b.png", *words)
+        assert done.returncode == 1 and message in done.stderr and "Traceback" not in done.stderr, done.stderr
+
+
+def test_gallery():
+    """Each picture of doc/gallery.md is one that tools/gallery.py makes, and small."""
+    page, script = (ROOT / "doc" / "gallery.md").read_text(), (ROOT / "tools" / "gallery.py").read_text()
+    shown = re.findall(r"\(data/(gallery_(\w+)\.\w+)\)", page)
+    assert 6 <= len(shown) <= 8
+    for name, word in shown:
+        assert (ROOT / "doc" / "data" / name).stat().st_size <= 150_000
+        assert name in script or f'("{word}", lambda' in script, name
+    assert {n for n, _ in shown} == {p.name for p in (ROOT / "doc" / "data").glob("gallery_*")}
 
 
 def test_installed(pair, tmp_path):
