@@ -228,6 +228,7 @@ def view(xyz):
     return xyz @ np.array([right, np.cross(right, away), away]).T
 
 
+@styled
 def save(fig, path, dpi=600):
     """Writes a figure and closes it."""
     try:
