@@ -77,7 +77,7 @@ def test_pair(pair):
 
 
 def test_specimen(specimen):
-    """The tables of bonds go with the dumps and the curve: broken bonds, failed points, fragments, contents."""
+    """The tables of bonds go with the dumps and the curve: broken bonds, failed points, joined grains, contents."""
     run = mpdem.load(specimen)
     curve, last = run.curves["curve"], run.last_bonds
     assert len(curve) == len(rows(specimen / "curve.csv")) and mpdem.unit(curve, "force") == "N" and mpdem.unit(run.curves["response"], "q") == "Pa"
@@ -85,7 +85,7 @@ def test_specimen(specimen):
     broken = curve["broken"][curve["step"] <= at].iloc[-1]
     assert 3 < (run.bonds_at(at)["separated"] > 0).sum() == pytest.approx(broken, abs=1)
     held = run.bonds_at(at)
-    pieces = run.fragments_at(at)
+    pieces = run.groups_at(at)
     for a, b in held[held["separated"] == 0][["grain1", "grain2"]].to_numpy():
         assert pieces[a] == pieces[b]
     assert (pieces.value_counts().sort_index().diff().dropna() <= 0).all() and len(pieces) == 40

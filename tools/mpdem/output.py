@@ -286,12 +286,12 @@ class Output:
 
     # ------------------------------------------------------------------------------------------------ what follows from them
 
-    def fragments_at(self, step: Optional[int] = None) -> pd.Series:
-        """Number of the fragment of each grain, by ID: 0 is the largest one; grains that no cement joins have one of their own."""
+    def groups_at(self, step: Optional[int] = None) -> pd.Series:
+        """Number of the group of joined grains of each grain, by ID: 0 is the largest one; grains that no cement joins have one of their own."""
         at = self.grains_at(step)
         joined = self.bonds_at(at.attrs["step"])
         holds = joined[joined["separated"] == 0]
-        return pd.Series(response.fragment_numbers(at.index.to_numpy(), holds[["grain1", "grain2"]].to_numpy()), index=at.index, name="fragment")
+        return pd.Series(response.fragment_numbers(at.index.to_numpy(), holds[["grain1", "grain2"]].to_numpy()), index=at.index, name="group")
 
     def content(self, grain_density: float = 2500.0, cement_density: float = 2710.0) -> pd.Series:
         """Bond content, mass of cement over that of its two grains, by bond: of the first dump of points with c_bond and radius."""

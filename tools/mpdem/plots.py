@@ -273,19 +273,19 @@ def force_chains(output: Output, step: Optional[int] = None) -> Figure:
 
 @styled
 def fragments(output: Output, step: Optional[int] = None) -> Figure:
-    """Grains coloured by the piece that cement still holds together, far ones first; grains that nothing joins are pale."""
+    """Grains coloured by the group that cement still joins, far ones first; grains that nothing joins are pale."""
     at = _step(output, step)
-    grains, number = output.grains_at(at), output.fragments_at(at)
+    grains, number = output.grains_at(at), output.groups_at(at)
     size = number.map(number.value_counts())
-    pieces = [n for n in sorted(number.unique()) if (number == n).sum() > 1]
+    groups = [n for n in sorted(number.unique()) if (number == n).sum() > 1]
     palette = plt.get_cmap("tab10")
-    shade = {n: palette(i) for i, n in enumerate(pieces[:8])}
+    shade = {n: palette(i) for i, n in enumerate(groups[:8])}
     colours = {i: "#efefef" if size[i] == 1 else matplotlib.colors.to_rgba(shade.get(number[i], "#8f8f8f"), 0.85) for i in grains.index}
     fig, ax = plt.subplots(figsize=(5.6, 3.7))
     _outlines(ax, grains, _seen(grains), colours, "0.45")
-    handles = [Line2D([], [], color=shade[n], marker="o", ls="", ms=7, label=f"piece of {int((number == n).sum())} grains") for n in pieces[:8]]
-    if len(pieces) > 8:
-        handles.append(Line2D([], [], color="#8f8f8f", marker="o", ls="", ms=7, label=f"{len(pieces) - 8} smaller pieces"))
+    handles = [Line2D([], [], color=shade[n], marker="o", ls="", ms=7, label=f"group of {int((number == n).sum())} grains") for n in groups[:8]]
+    if len(groups) > 8:
+        handles.append(Line2D([], [], color="#8f8f8f", marker="o", ls="", ms=7, label=f"{len(groups) - 8} smaller groups"))
     alone = int((size == 1).sum())
     if alone:
         handles.append(Line2D([], [], color="#efefef", mec="0.45", marker="o", ls="", ms=7, label=f"{alone} grains that nothing joins"))
