@@ -14,6 +14,7 @@ What is fenced has a word that says what becomes of it:
   text                neither: output, folders
 Indented blocks are templates under the head Syntax. There are no others. Formulas are $...$ and $$...$$, see test_formulas.py.
 """
+import os
 import re
 import shutil
 import subprocess
@@ -233,10 +234,14 @@ def test_command(command, folders):
     assert done.returncode == 0 and "ERROR" not in done.stdout, done.stdout[-2000:] + done.stderr[-2000:]
 
 
-@pytest.mark.parametrize("script", [pytest.param(text, id=page.stem) for page, text in blocks("python")])
-def test_python(script, folders):
-    done = subprocess.run([sys.executable, "-c", script], cwd=folders, capture_output=True, text=True, timeout=120 * PATIENCE)
-    assert done.returncode == 0, done.stderr[-2000:]
+@pytest.mark.parametrize("page,script", [pytest.param(page, text, id=page.stem) for page, text in blocks("python")])
+def test_python(page, script, folders):
+    """Scripts find the package mpdem, and what the commands of their page left."""
+    environment = {**os.environ, "PYTHONPATH": "tools", "MPLBACKEND": "Agg", "PYTHONDONTWRITEBYTECODE": "1"}
+    before = "".join(text for of, text in blocks("sh") if of == page)
+    for command in (["sh", "-euc", before], [sys.executable, "-c", script]):
+        done = subprocess.run(command, cwd=folders, capture_output=True, text=True, timeout=120 * PATIENCE, env=environment)
+        assert done.returncode == 0, done.stderr[-2000:]
 
 
 @pytest.mark.parametrize("page,text", [pytest.param(page, text, id=f"{page.stem}:{' '.join(text.split()[:5])[:40]}") for page, text in blocks("sh-template")])
