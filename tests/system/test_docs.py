@@ -8,6 +8,7 @@ What is fenced has a word that says what becomes of it:
   sh, python          commands                            run
   sh-template         commands that take long or need a place of their own; files, targets, presets and variables
                       that they name must be there
+  sh-tutorial         commands of a tutorial, which test_tutorial_pages.py runs
   liggghts-compression  a script that includes cement.in, which test_parameters.py runs
   liggghts-specimen   lines of examples/specimen, which test_specimen.py runs
   liggghts-template   lines with words to be replaced; the command or style must be there
@@ -38,6 +39,7 @@ KINDS = {
     "liggghts-template",
     "sh",
     "sh-template",
+    "sh-tutorial",
     "python",
     "text",
 }
