@@ -248,7 +248,7 @@ def test_template_names_what_there_is(page, text):
                 for variable in re.findall(r"-var (\w+)", line):
                     assert re.search(rf"^variable +{variable} +index", script.read_text(), re.M), variable
             if re.match(r"--[a-z]", word) and words[0].endswith(".py"):
-                options = (ROOT / words[0]).read_text()
+                options = (ROOT / words[0] if "/" in words[0] else ROOT / "tools" / words[0]).read_text()
                 if "runner.add_arguments" in options:
                     options += (ROOT / "tools" / "mpdem" / "runner.py").read_text()
                 assert f'"{word.split("=")[0]}"' in options, word

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The tutorials of doc/tutorial_*.md: their commands run one after the other, and print what the pages show.
 
-A page has blocks `sh-tutorial` with commands. A block `text` right after one has lines of what it prints, in their order: words as they stand, numbers
+A page has blocks `sh-tutorial` with commands. Each block `text` after one has lines of what it prints, in their order: words as they stand, numbers
 within 3 %, or within 1 % of the largest number in the same place of the block, whole numbers first in a line exactly. `...` ends a line that goes on.
 """
 import os
@@ -17,7 +17,7 @@ from scenes import PATIENCE, executable
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted((ROOT / "doc").glob("tutorial_*.md"))
-BLOCKS = re.compile(r"^```sh-tutorial\n(.*?)^```(?:\n+```text\n(.*?)^```)?", re.M | re.S)
+BLOCKS = re.compile(r"^```(sh-tutorial|text)\n(.*?)^```", re.M | re.S)
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w.]*\w)")
 MOST = 120_000  # bytes of a picture
 
@@ -70,15 +70,26 @@ def environment(root):
     return found
 
 
+def blocks(page):
+    """Commands, and all lines of their output that are shown."""
+    found = []
+    for kind, text in BLOCKS.findall(page.read_text()):
+        if kind == "sh-tutorial":
+            found.append((text, []))
+        elif found:
+            found[-1][1].extend(line for line in text.splitlines() if line.strip())
+    return found
+
+
 def follow(page, root):
     """Runs the commands of a page. Returns for each block what is shown and what was printed."""
     here, results = root, []
-    for commands, shown in BLOCKS.findall(page.read_text()):
+    for commands, shown in blocks(page):
         done = subprocess.run(["sh", "-euc", commands], cwd=here, env=environment(root), capture_output=True, text=True, timeout=400 * PATIENCE)
         assert done.returncode == 0, f"{commands}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
         for folder in re.findall(r"^cd (\S+)$", commands, re.M):
             here = here / folder
-        results.append(([line for line in shown.splitlines() if line.strip()], done.stdout.splitlines()))
+        results.append((shown, done.stdout.splitlines()))
     return results
 
 

@@ -66,6 +66,30 @@ def test_error_of_a_box(figures):
     assert box.longest == pytest.approx(2.0, rel=1e-12) and cube.longest == pytest.approx(1.0, rel=1e-12)
 
 
+def test_radius_below_the_cement(tmp_path, figures):
+    """With `fit cement` a flat ellipsoid gets the radius that it has below its cement, and keeps its mass; a sphere stays as it is."""
+    shape, c = (84, 84, 130), 28.0
+    image = np.zeros(shape, dtype=np.uint8)
+    x, y, z = np.indices(shape) + 0.5
+    image[(np.hypot(x - 42, y - 42) < 8) & (z > 40) & (z < 96)] = CEMENT
+    image[ball(shape, (42, 42, 42), 32)] = 1
+    image[((x - 42) / 36) ** 2 + ((y - 42) / 36) ** 2 + ((z - 103) / c) ** 2 <= 1] = 2
+    grains, before = (voxels.spheres(image, 1e-5, CEMENT, fit=fit) for fit in ("cement", "volume"))
+    r = np.sqrt((np.arange(1000) + 0.5) / 1000) * 8  # points of the attached disc, of equal areas
+    there = np.hypot(r, c * np.sqrt(1 - (r / 36) ** 2)).mean()
+    figures.below("radius of the sphere", abs(grains[0].radius / 32e-5 - 1), 0.003)
+    figures.below("radius of the ellipsoid below its cement", abs(grains[1].radius / (there * 1e-5) - 1), 0.01)
+    assert before[1].radius > 1.1 * grains[1].radius and grains[1].volume == before[1].volume
+    after, overlapping = (voxels.cement_points(image, 1e-5, CEMENT, g) for g in (grains, before))
+    assert after.bonds[0].factor < 1.02 and (not overlapping.bonds or overlapping.bonds[0].factor > 1.5)
+    voxels.write_grains(str(tmp_path / "grains.data"), grains, 2650)
+    rows = [[float(w) for w in line.split()] for line in (tmp_path / "grains.data").read_text().splitlines()[-2:]]
+    for g, (_, _, diameter, density, *_) in zip(grains, rows):
+        assert density * math.pi / 6 * diameter**3 == pytest.approx(2650 * g.volume, rel=1e-9)
+    with pytest.raises(Trouble, match="fit 'mean': must be volume or cement"):
+        voxels.spheres(image, 1e-5, CEMENT, fit="mean")
+
+
 @pytest.mark.parametrize("coarse", [1, 2, 3])
 def test_volumes_add_up(coarse, figures):
     """Points of a bond have the volume of its voxels, and what is left out is what reaches one grain only. Each point is the centroid of its voxels."""

@@ -6,10 +6,10 @@ The image is an array of whole numbers: one for each grain, one for the cement, 
 along x, the second along y, the third along z; an image of slices (z, y, x) becomes this by `image.transpose(2, 1, 0)`. Voxel [0, 0, 0] has a
 corner at `origin`. Lengths have the unit of `voxel`; take that of the script.
 
-`spheres` makes a sphere of each grain, with its volume and centroid. `cement_points` makes points of the cement, whose volumes add up to that of
+`spheres` makes a sphere of each grain about its centroid, of its volume or as large as it is below the cement. `cement_points` makes points of the cement, whose volumes add up to that of
 its voxels. `write_grains` and `write_points` write what `read_data` of LIGGGHTS and `create_cement ... file` read (doc/point_files.md).
 """
-from typing import Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ from .run import Trouble
 Array = npt.NDArray[np.float64]
 Image = npt.NDArray[np.integer]
 
+FITS = ("volume", "cement")
 MOST_VOLUME = 1.05  # of a point over the cube of the spacing; create_cement warns above it
 
 
@@ -29,8 +30,8 @@ class Grain(NamedTuple):
     number: int  # ID in LIGGGHTS, from 1 on in the order of the labels
     label: int  # in the image
     centre: Array  # centroid of its voxels
-    radius: float  # of the sphere of its volume
-    volume: float  # of its voxels, and of the sphere
+    radius: float  # of the sphere
+    volume: float  # of its voxels
     outside: float  # share of its volume that lies outside of the sphere
     longest: float  # longest over shortest axis of the ellipsoid of its moments of inertia
     cut: bool  # it reaches the border of the image, so that a part may be missing
@@ -55,9 +56,14 @@ class Cement(NamedTuple):
     loose: float  # volume of cement that does not reach from one grain to another, and is in no bond
 
 
-def spheres(image: Image, voxel: float, cement: int, origin: Sequence[float] = (0.0, 0.0, 0.0)) -> List[Grain]:
-    """A sphere for each label but 0 and that of the cement. Trouble if the image is no array of labels in space."""
+def spheres(image: Image, voxel: float, cement: int, origin: Sequence[float] = (0.0, 0.0, 0.0), fit: str = "volume") -> List[Grain]:
+    """A sphere for each label but 0 and that of the cement. fit: `volume`, its volume is that of the grain; `cement`, its radius is the mean distance from the
+    centroid of the grain to the faces between the grain and cement, so that bonds keep their thickness. A grain without cement has that of its volume.
+    Trouble if the image is no array of labels in space."""
     check(image, voxel)
+    if fit not in FITS:
+        raise Trouble(f"fit '{fit}': must be {' or '.join(FITS)}")
+    faces = faces_with_cement(image, cement) if fit == "cement" else {}
     found: List[Grain] = []
     for label, box in enumerate(ndimage.find_objects(image), start=1):
         if box is None or label == cement:
@@ -67,6 +73,8 @@ def spheres(image: Image, voxel: float, cement: int, origin: Sequence[float] = (
         centre = inside.mean(axis=0)
         from_centre = inside - centre
         radius = (3.0 * number / (4.0 * np.pi)) ** (1.0 / 3.0)
+        if label in faces:
+            radius = float(np.linalg.norm(faces[label] - centre, axis=1).mean())
         second = from_centre.T @ from_centre / number + np.eye(3) / 12.0  # of cubes, not of their centres
         axes = np.linalg.eigvalsh(second)
         found.append(
@@ -84,6 +92,20 @@ def spheres(image: Image, voxel: float, cement: int, origin: Sequence[float] = (
     if not found:
         raise Trouble(f"the image has no grain: its labels are {np.unique(image)[:8]}, and that of the cement is {cement}")
     return found
+
+
+def faces_with_cement(image: Image, cement: int) -> Dict[int, Array]:
+    """Middles of the faces between voxels of a grain and of the cement, in voxels, by the label of the grain."""
+    labels, middles = [], []
+    for axis in range(3):
+        low, high = (np.moveaxis(image, axis, 0)[part] for part in (slice(None, -1), slice(1, None)))
+        for grain, other in ((low, high), (high, low)):
+            at = np.argwhere((grain != 0) & (grain != cement) & (other == cement))
+            labels.append(grain[tuple(at.T)])
+            middle = at + np.array([1.0, 0.5, 0.5])  # the face is at the end of the lower voxel
+            middles.append(np.insert(middle[:, 1:], axis, middle[:, 0], axis=1))
+    of, where = np.concatenate(labels), np.concatenate(middles)
+    return {int(label): where[of == label] for label in np.unique(of)}
 
 
 def cement_points(
@@ -190,15 +212,17 @@ def joins_both(cells: npt.NDArray[np.intp], touches: npt.NDArray[np.bool_]) -> n
 
 
 def write_grains(path: str, grains: Sequence[Grain], density: float, margin: Optional[float] = None) -> None:
-    """The grains as a data file of LIGGGHTS for `read_data`: type 1, and a second type for the cement. The box is larger than the grains by `margin`, their
-    largest radius without it."""
+    """The grains as a data file of LIGGGHTS for `read_data`: type 1, and a second type for the cement. Spheres have the masses that grains of `density` have.
+    The box is larger than the spheres by `margin`, their largest radius without it."""
     room = max(g.radius for g in grains) if margin is None else margin
     low = np.min([g.centre - g.radius for g in grains], axis=0) - room
     high = np.max([g.centre + g.radius for g in grains], axis=0) + room
     lines = ["Grains of a CT image: ID, type, diameter, density, x, y, z", "", f"{len(grains)} atoms", "2 atom types", ""]
     lines += [f"{a:.9g} {b:.9g} {c}lo {c}hi" for a, b, c in zip(low, high, "xyz")]
     lines += ["", "Atoms", ""]
-    lines += [f"{g.number} 1 {2.0 * g.radius:.12g} {density:.9g} " + " ".join(f"{x:.12g}" for x in g.centre) for g in grains]
+    for g in grains:
+        own = density * g.volume / (4.0 / 3.0 * np.pi * g.radius**3)
+        lines.append(f"{g.number} 1 {2.0 * g.radius:.12g} {own:.12g} " + " ".join(f"{x:.12g}" for x in g.centre))
     write(path, lines)
 
 
@@ -225,9 +249,12 @@ def write(path: str, lines: Iterable[str]) -> None:
 
 def report(grains: Sequence[Grain], cement: Cement) -> str:
     """What became of the image, as a text: a line for each grain, and for each bond."""
-    lines = [f"{'grain':>6}{'label':>7}{'radius':>12}{'outside of its sphere':>24}{'longest over shortest axis':>29}"]
+    lines = [f"{'grain':>6}{'label':>7}{'radius':>12}{'sphere over its volume':>25}{'outside of its sphere':>24}{'longest over shortest axis':>29}"]
     for g in grains:
-        lines.append(f"{g.number:6d}{g.label:7d}{g.radius:12.5g}{100 * g.outside:22.2f} %{g.longest:29.3f}" + ("   cut by the border" if g.cut else ""))
+        larger = 4.0 / 3.0 * np.pi * g.radius**3 / g.volume
+        lines.append(
+            f"{g.number:6d}{g.label:7d}{g.radius:12.5g}{larger:25.4f}{100 * g.outside:22.2f} %{g.longest:29.3f}" + ("   cut by the border" if g.cut else "")
+        )
     lines.append(f"{'bond of grains':>15}{'gap':>13}{'points':>9}{'volume':>13}{'volume over that of its voxels':>33}")
     for b in cement.bonds:
         warning = "   points above 1.05 spacing^3" if b.points[:, 3].max() > MOST_VOLUME * cement.spacing**3 else ""

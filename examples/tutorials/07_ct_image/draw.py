@@ -18,7 +18,7 @@ from mpdem import voxels  # noqa: E402
 VOXEL, CEMENT = 5e-6, 9
 um = 1e6
 image = np.load("image.npy")
-grains = voxels.spheres(image, VOXEL, CEMENT)
+grains = voxels.spheres(image, VOXEL, CEMENT, fit="cement")
 points = np.loadtxt("cement.txt", skiprows=2)
 fig, (left, middle, right) = plt.subplots(1, 3, figsize=(8.6, 4.6), dpi=110, width_ratios=(1, 1, 2.2))
 

@@ -6,16 +6,22 @@
 
 `coarse` voxels are the spacing of the material points. Needs Debian's python3-numpy and python3-scipy, and the package mpdem.
 """
+import sys
+
 import numpy as np
 
-from mpdem import voxels
+try:
+    from mpdem import voxels
+except ImportError as missing:
+    sys.exit(f"to_points.py: {missing}; in the folder of the repository: export PYTHONPATH=$PWD/tools")
 
 VOXEL = 5e-6  # m
 CEMENT = 9  # label
 COARSE = 1
+FIT = "cement"  # radius below the cement; or "volume"
 
 image = np.load("image.npy")
-grains = voxels.spheres(image, VOXEL, CEMENT)
+grains = voxels.spheres(image, VOXEL, CEMENT, fit=FIT)
 cement = voxels.cement_points(image, VOXEL, CEMENT, grains, coarse=COARSE, attach=1.5)
 print(voxels.report(grains, cement))
 
