@@ -102,9 +102,9 @@ def test_volumes_add_up(coarse, figures):
     cement = voxels.cement_points(image, voxel, CEMENT, grains, coarse=coarse, origin=(1e-3, 0, 0))
     (bond,) = cement.bonds
     assert (bond.first, bond.second, cement.spacing) == (1, 2, coarse * voxel) and alone > 80
-    figures.below("volume of all points against that of the voxels", abs(total(cement) / (bonded * voxel**3) - 1), 1e-12)
-    figures.below("volume left out against that of the voxels", abs(cement.loose / (alone * voxel**3) - 1), 1e-12)
-    figures.below("sum against all voxels of the cement", abs((total(cement) + cement.loose) / cement.volume - 1), 1e-12)
+    figures.below("volume of all points against that of the voxels", abs(total(cement) / (bonded * voxel**3) - 1), 5e-15)
+    figures.below("volume left out against that of the voxels", abs(cement.loose / (alone * voxel**3) - 1), 5e-15)
+    figures.below("sum against all voxels of the cement", abs((total(cement) + cement.loose) / cement.volume - 1), 5e-15)
     if bond.factor == 1.0:
         mass = bond.points[:, 3] @ bond.points[:, :3] / total(cement)
         where = (np.argwhere((image == CEMENT) & ~lone) + 0.5).mean(axis=0) * voxel + (1e-3, 0, 0)
