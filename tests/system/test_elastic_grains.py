@@ -69,6 +69,41 @@ def test_ranks_and_condensed_bonds(tmp_path, figures):
         figures.below(f"stiffness, {name}", max(abs(other[load] / one[load] - 1) for load in COLUMN), 1e-6)
 
 
+def rims(directory, condense):
+    """Normal traction by a unit load, mean over the outermost fifth of the width at each rim with weights that fall linearly from it."""
+    case, cell, T, pull = CASES["ring"], 2e-4, 8e-6, 2e-9
+    R = case["radius"][0]
+    text = scene(case, cell).replace("kn auto kt auto", "kn auto kt auto damping 0.3").replace("timestep     1e-09", "timestep 4e-9")
+    text = text.replace("axis radial", f"axis radial condense {condense}").replace("axis bond", f"axis bond condense {condense}")
+    text += f'variable d equal "{pull}*((step*dt<{T})*(0.5-0.5*cos(PI*step*dt/{T}))+(step*dt>={T}))"\n'
+    text += f'variable v equal "{pull}*(step*dt<{T})*0.5*PI/{T}*sin(PI*step*dt/{T})"\n'
+    text += "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_d NULL NULL v_v\n"
+    names = ["grain", "attached_area", "traction_n", "traction_t"]
+    text += "".join(f"compute {n} calcite mpm/atom cem {n}\n" for n in names)
+    text += thermo(3000, ["f_bond[9]"]) + dump(3000, ["id", "x", "y", "z"] + [f"c_{n}" for n in names], "links.*.txt") + "run 3000\n"
+    done = run(text, directory)
+    force, links = abs(done.table()["f_bond[9]"][-1]), done.points(3000, "links")
+    found = []
+    for grain, side in ((1, -1), (2, 1)):
+        at = links["c_grain"] == grain
+        z = links["z"][at] - side * (R + (pull if grain == 2 else 0.0))
+        r = np.hypot(links["x"][at], links["y"][at])
+        foot, area, t = R * r / np.hypot(r, z), links["c_attached_area"][at], links["c_traction_n"][at]
+        weights = [area * np.clip(1 - abs(foot - rim) / (0.2 * (case["outer"] - case["inner"])), 0, 1) for rim in (case["inner"], case["outer"])]
+        found.append([w @ t / w.sum() / force for w in weights])
+        along = (area * (-t * z / R)).sum() * side
+        assert abs(along) < force
+    return np.array(found)
+
+
+def test_traction_at_the_rims(tmp_path, figures):
+    """That of the finite elements, for both grains, resolved and condensed."""
+    resolved, condensed = (rims(tmp_path / c, c) for c in ("no", "yes"))
+    for n, rim in enumerate(("inner", "outer")):
+        figures.below(f"{rim} rim: error of the traction", abs(resolved[:, n] / CASES["ring"]["rims"][n] - 1).max(), 0.05)
+    figures.below("traction of the condensed bond", abs(condensed / resolved - 1).max(), 1e-3)
+
+
 GRAINS = " grains elastic 70e9 0.22 type 2 95e9 0.08"
 BEFORE, AFTER = 1200, 100  # steps; hundreds of points have failed at the restart
 FIXES = cement(2e-4, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11" + GRAINS)

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from axisymmetric_fe import TransverselyIsotropic, axis_radial, axis_uniform, graded_nodes
 from bond_fe import LOADS, Body, element_matrices, element_nodes, flat_body, meniscus_body, stiffness
-from elastic_sphere import compliance, isotropic
+from elastic_sphere import compliance, isotropic, legendre, spheroidal
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import splu
 
@@ -38,6 +38,7 @@ class Patch(NamedTuple):
     pole: int  # 1: the sphere is below the cement, -1: above
     E: float
     nu: float
+    at_both_poles: bool = False  # the sphere has such a patch at the other pole, too, see elastic_sphere.py
 
 
 def ring_between(R, gap, inner, outer, ns, nt, grading, edge=None):
@@ -74,7 +75,7 @@ def of_patch(load, patch, r):
     fields = np.stack(unknowns, axis=1).reshape(-1, 3, theta.size)
     around = math.pi if m else 2 * math.pi
     mass = np.einsum("icq,jcq,q->ij", fields, fields, around * weight * patch.radius * s)
-    C = compliance(m, theta, weight, fields, patch.radius, patch.E, patch.nu, HIGHEST_DEGREE)
+    C = compliance(m, theta, weight, fields, patch.radius, patch.E, patch.nu, HIGHEST_DEGREE, patch.at_both_poles)
     return mass, C, theta_of_node, (theta, weight, shape)
 
 
@@ -87,6 +88,7 @@ def rigid(load, r, z, unit=1.0):
 class Solution(NamedTuple):
     stiffness: float
     rims: np.ndarray  # mean normal traction by a unit load over the outermost fifth at the inner and the outer rim of the last patch
+    traction: tuple  # of the last patch by a unit load: angles, weights for the integral over R theta, values along (r, z) or in the unknowns
 
 
 def solve(load, body, patches, elastic, axis, mirrored):
@@ -124,17 +126,17 @@ def solve(load, body, patches, elastic, axis, mirrored):
     force = S @ np.linalg.solve(np.eye(start) + F @ S, motion)
     total = motion @ force * (2 if mirrored else 1)
     mass, of, keep, quadrature = masses[-1]
-    return Solution(total, rim_tractions(load, patches[-1], r, k, np.linalg.solve(mass, force[of]), keep, quadrature) / total)
+    of_nodes = np.zeros(keep.size)
+    of_nodes[keep] = np.linalg.solve(mass, force[of]) / total
+    traction = quadrature[0], quadrature[1], of_nodes.reshape(-1, k).T @ quadrature[2]
+    return Solution(total, rim_tractions(load, patches[-1], r, k, traction), traction)
 
 
-def rim_tractions(load, patch, r, k, traction, keep, quadrature):
+def rim_tractions(load, patch, r, k, traction):
     """Mean normal traction on the cement over the outermost fifth of its width at the inner and the outer rim, at phi = 0."""
     if load == "torsion":
         return np.full(2, math.nan)
-    theta, weight, shape = quadrature
-    of_nodes = np.zeros(keep.size)
-    of_nodes[keep] = traction
-    t = of_nodes.reshape(-1, k).T @ shape
+    theta, weight, t = traction
     t_r = t[0] if k == 2 else t[0] + t[1]
     normal = -t_r * np.sin(theta) - patch.pole * t[-1] * np.cos(theta)
     x, ends = patch.radius * np.sin(theta), r[patch.nodes[[0, -1]]]
@@ -142,15 +144,49 @@ def rim_tractions(load, patch, r, k, traction, keep, quadrature):
     return np.array([normal @ f / f.sum() for f in share])
 
 
+def between_bonds(case, angle, highest=400, ns=16, nt=6):
+    """Stiffness in tension of each of two equal bonds on a sphere, at an angle, that are pulled alike.
+
+    The tractions are those of a single bond.  Their work on the displacement by each other follows from the closed form of the
+    sphere.  What they change of each other is left out, a term of the second order.
+    """
+    alone = solve_case(case, "tension", ns, nt)
+    theta, weight, (t_r, t_z) = alone.traction
+    R, (E, nu) = case["radius"][1], case["grain"][1]
+    mu, s, c = E / (2 * (1 + nu)), np.sin(theta), np.cos(theta)
+    # on the sphere, with its pole towards the other one; the patch of the solution has its pole at -z
+    normal, south = -(t_r * s - t_z * c), -(t_r * c + t_z * s)
+    around = 2 * math.pi * weight * s / R
+    phi = 2 * math.pi * (np.arange(64) + 0.5) / 64
+    at = np.stack([np.outer(s, np.cos(phi)), np.outer(s, np.sin(phi)), np.outer(c, np.ones(64))])
+    e_south = np.stack([np.outer(c, np.cos(phi)), np.outer(c, np.sin(phi)), np.outer(-s, np.ones(64))])
+    pole = np.array([math.sin(angle), 0.0, math.cos(angle)])
+    cosine = np.tensordot(pole, at, 1)
+    other = np.arccos(cosine)  # angle from the pole of the other patch
+    e_other = (cosine * at - pole[:, None, None]) / np.sin(other)
+    u_n, u_s = np.zeros_like(other), np.zeros_like(other)
+    for (l, P, dP), (_, Q, dQ) in zip(legendre(0, theta, highest), legendre(0, other, highest)):
+        t = np.array([around @ (normal * P), around @ (south * dP) / (l * (l + 1)) if l else 0.0])
+        u = R / mu * spheroidal(l, nu) @ t
+        u_n += u[0] * Q
+        u_s += u[1] * dQ
+    by_normal = u_n * normal[:, None]
+    by_south = u_s * np.einsum("kij,kij->ij", e_other, e_south) * south[:, None]
+    compliance = R**2 * around / (2 * math.pi) @ (by_normal + by_south) @ np.full(64, 2 * math.pi / 64)
+    return alone.stiffness / (1 + alone.stiffness * compliance)
+
+
 def solve_case(case, load, ns, nt, grading=2.5):
     """case: shape, radius of both spheres, gap, inner, outer or neck and contact, axis (z or radial), elastic, grain: E, nu of both.
 
     attached_from: a flat ring is attached to the second sphere from this radius on.
+    chain: the second sphere is the middle one of three that are pulled apart, or twisted; the stiffness is that of one of the two bonds.
     """
     R, gap, inner = case["radius"], case["gap"], case["inner"]
     elastic = TransverselyIsotropic(*case["elastic"])
     edge = case.get("attached_from")
-    mirrored = edge is None and R[0] == R[1] and tuple(case["grain"][0]) == tuple(case["grain"][1])
+    chain = case.get("chain", False)
+    mirrored = not chain and edge is None and R[0] == R[1] and tuple(case["grain"][0]) == tuple(case["grain"][1])
     if not mirrored and (case["shape"] != "flat" or case["axis"] != "z"):
         raise ValueError("the meniscus and the radial axis are for equal spheres")
     axis = axis_radial(R[0], gap) if case["axis"] == "radial" else axis_uniform(0.0, 1.0)
@@ -162,7 +198,7 @@ def solve_case(case, load, ns, nt, grading=2.5):
         body = ring_between(R, gap, inner, case["outer"], ns, 2 * nt, grading, edge)
     index = np.arange(body.r.size).reshape(body.r.shape)
     attached = slice(0 if edge is None else 2 * ns, None)
-    above = Patch(index[attached, -1], R[1], gap / 2 + R[1], -1, *case["grain"][1])
+    above = Patch(index[attached, -1], R[1], gap / 2 + R[1], -1, *case["grain"][1], chain)
     patches = [above] if mirrored else [Patch(index[:, 0], R[0], -gap / 2 - R[0], 1, *case["grain"][0]), above]
     return solve(load, body, patches, elastic, axis, mirrored)
 
@@ -176,8 +212,8 @@ def converged(case, load, levels=3, ns=8, nt=3):
 def write_references(file, resume):
     with open(file) as f:
         table = json.load(f)
-    for name, case in table["cases"].items():
-        for load in LOADS:
+    for name, case in {**table["cases"], **table["chains"]}.items():
+        for load in LOADS[:2] if case.get("chain") else LOADS:
             if load in case["stiffness"] and resume:
                 continue
             value, change, rims = converged(case, load)

@@ -60,8 +60,10 @@ def legendre(m, theta, highest):
         yield l, P, (l * x * P - math.sqrt((2 * l + 1) / (2 * l - 1) * (l * l - m * m)) * before) / s if l else np.zeros_like(theta)
 
 
-def compliance(m, theta, weight, fields, R, E, nu, highest):
+def compliance(m, theta, weight, fields, R, E, nu, highest, at_both_poles=False):
     """Matrix of the work of each traction field on the displacement by each other one.
+
+    at_both_poles: the same tractions act at the other pole, as in a chain in tension or torsion (m = 0); degrees of one parity cancel.
 
     fields: (fields, 3, points): t_n along the outward normal, t_theta from the pole on, both times cos(m phi), and t_phi times
     sin(m phi), or 1 for m = 0; weight: of the points for the integral over R theta, without the circumference.
@@ -76,6 +78,8 @@ def compliance(m, theta, weight, fields, R, E, nu, highest):
     pending = []
     normal, meridian, across = (csr_matrix(fields[:, k]) for k in range(3))  # a shape function is zero at most points
     for l, P, dP in legendre(m, theta, highest):
+        if at_both_poles and l % 2 and l < highest:
+            continue
         radial = normal @ (w * P)
         A = spheroidal(l, nu)
         if l == 0:
@@ -90,7 +94,7 @@ def compliance(m, theta, weight, fields, R, E, nu, highest):
             k, t, u = (np.array(x) for x in zip(*pending))
             C += (k[:, None] * t).T @ u
             pending = []
-    return R**3 / mu * 0.5 * (C + C.T)
+    return R**3 / mu * (1.0 if at_both_poles else 0.5) * (C + C.T)
 
 
 def rigid_fields(load, r, z):

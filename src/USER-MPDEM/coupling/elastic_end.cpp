@@ -8,6 +8,31 @@
 
 namespace mpdem {
 
+namespace {
+
+// Modes in use. The radial functions are of the degree that the cells resolve, at most kMostDegree; harmonics of an intact patch
+// have at most order 2, and those beyond it belong to the tail.
+constexpr int kOrders = 2, kLeastDegree = 2, kMostDegreeOfRing = 8, kMostDegreeOfCap = 5;
+
+}  // namespace
+
+std::shared_ptr<const PatchCompliance> patch_of(const BondRecord& record, int side, double cell) {
+  const double inner = record.patch[side][0], outer = record.patch[side][1], radius = record.radius[side];
+  const int across = static_cast<int>(std::lround(radius * (outer - inner) / cell));
+  const int degree = std::clamp(across, kLeastDegree, inner > 0.0 ? kMostDegreeOfRing : kMostDegreeOfCap);
+  return PatchCompliance::of(inner, outer, degree, kOrders, {record.grain_E[side], record.grain_nu[side]}, radius);
+}
+
+Mat3<double> axes_of_patch(const BondRecord& record, int side) {
+  const Eigen::Vector3d pole = (Eigen::Map<const Eigen::Vector3d>(record.centre[1 - side]) -
+                                Eigen::Map<const Eigen::Vector3d>(record.centre[side]))
+                                   .normalized(),
+                        x = pole.unitOrthogonal(), y = pole.cross(x);
+  Mat3<double> axes;
+  for (int d = 0; d < 3; ++d) axes.a[d][0] = x[d], axes.a[d][1] = y[d], axes.a[d][2] = pole[d];
+  return axes;
+}
+
 ElasticEnd::ElasticEnd(std::shared_ptr<const PatchCompliance> patch, const Mat3<double>& axes) : patch_(std::move(patch)), axes_(axes) {
   const SurfaceModes& modes = patch_->modes();
   radials_ = modes.radials();
@@ -90,7 +115,7 @@ std::vector<double> ElasticEnd::stiffness(std::size_t first, const std::vector<T
   return out;
 }
 
-Eigen::MatrixXd ElasticEnd::response(const std::vector<double>& sums) const {
+ElasticEnd::Response ElasticEnd::response(const std::vector<double>& sums) const {
   constexpr int kOf[6][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 0}, {2, 1}, {2, 2}};
   const Eigen::Index n = modes();
   Eigen::MatrixXd S(3 * n, 3 * n);
@@ -103,14 +128,21 @@ Eigen::MatrixXd ElasticEnd::response(const std::vector<double>& sums) const {
   const Eigen::MatrixXd& L = patch_->factor();
   Eigen::MatrixXd inner = L.transpose() * S * L;
   inner.diagonal().array() += 1.0;
-  const Eigen::MatrixXd M = L * inner.llt().solve(L.transpose());
-  return 0.5 * (M + M.transpose());
+  Response r;
+  r.M = L * inner.llt().solve(L.transpose());
+  r.M = 0.5 * (r.M + r.M.transpose()).eval();
+  const Eigen::MatrixXd& g = patch_->rigid();
+  const Eigen::MatrixXd Sg = S * g;
+  r.H = g - r.M * Sg;
+  const Eigen::Matrix<double, 6, 6> k = Sg.transpose() * r.H;
+  r.k = 0.5 * (k + k.transpose());
+  return r;
 }
 
 std::size_t ElasticEnds::memory_usage() const {
   std::size_t bytes = sizeof(ElasticEnds);
   for (const Side& s : side) {
-    bytes += s.end.memory_usage() + static_cast<std::size_t>(s.response.size()) * sizeof(double);
+    bytes += s.end.memory_usage() + static_cast<std::size_t>(s.response.M.size()) * sizeof(double);
     for (const std::vector<double>& c : s.chunks) bytes += c.capacity() * sizeof(double);
   }
   return bytes;

@@ -11,6 +11,11 @@
 //
 //   q = M s,   s = sum A_i Phi_i' K'_i d_i,   M = ((L L')^-1 + S)^-1 = L (1 + L' S L)^-1 L',   S = sum A_i Phi_i' K'_i Phi_i.
 //
+// Where a grain has several bonds each moves the patches of the others as rigid bodies (grain/far_field.h), by w = sum of c F
+// over the other bonds. With g = Phi'G, F the load of a patch, and w that of the others,
+//
+//   q = M s + H w,   F = g'(s - S q) = H's - k w,   H = (1 - M S) g,   k = g'S H.
+//
 // The surface is in equilibrium with the links at each time: it has neither inertia nor state. The energy is at most that of
 // links K' to a rigid grain, so the added mass of these makes a step stable. S is a sum over chunks of links, in their order. Where
 // links debond only their chunks are computed anew, so S is a function of the links that are attached, and not of their history.
@@ -26,6 +31,7 @@
 #include <vector>
 
 #include "../grain/patch_compliance.h"
+#include "../mpm/bond_record.h"
 #include "../numerics/simd.h"
 #include "../numerics/tensor3.h"
 #include "traction_law.h"
@@ -61,8 +67,13 @@ class ElasticEnd {
   // Share of the blocks from `first` in S, as numbers to be summed: six components for each pair of modes. K: stiffness of the
   // links of each block times their area, zero if they are debonded.
   std::vector<double> stiffness(std::size_t first, const std::vector<TractionSecant>& K) const;
-  // M of these sums.
-  Eigen::MatrixXd response(const std::vector<double>& sums) const;
+  // M, H and k of these sums.
+  struct Response {
+    Eigen::MatrixXd M;
+    Eigen::Matrix<double, Eigen::Dynamic, 6> H;
+    Eigen::Matrix<double, 6, 6> k;
+  };
+  Response response(const std::vector<double>& sums) const;
   std::size_t memory_usage() const { return values_.capacity() * sizeof(vd); }
 
  private:
@@ -83,16 +94,21 @@ struct ElasticEnds {
     ElasticEnd end;
     std::size_t first_block = 0;                      // of its links
     mutable std::vector<std::vector<double>> chunks;  // shares of kChunk blocks in S, empty: not known
-    Eigen::MatrixXd response;                         // M
-    Eigen::VectorXd loads, amplitudes;                // s, share of this rank; q
-    Eigen::VectorXd debonded_loads, before;           // share in s of links that debonded in this step; s of the others at the step before
+    ElasticEnd::Response response;
+    Eigen::VectorXd loads, of_all, amplitudes;  // s, share of this rank and of all; q
+    Eigen::VectorXd debonded_loads, before;     // share in s of links that debonded in this step; s of the others at the step before
   };
   std::array<Side, 2> side;
   bool stiffness_changed = true;  // links debonded since M was found, or it is not known
-  bool some_debonded = false;     // links of the bond debonded in this step, on any rank
+  bool some_debonded = false;     // links debonded in this step, of the bond on any rank, or of another bond on one of its grains
+  bool coupled = false;           // one of the grains has other bonds
   double released = 0.0;          // energy, in this step
   std::size_t memory_usage() const;
 };
+
+// The patch of an elastic grain of a bond with the modes that cells of this size resolve, and its axes in those of the bond at creation.
+std::shared_ptr<const PatchCompliance> patch_of(const BondRecord& record, int side, double cell);
+Mat3<double> axes_of_patch(const BondRecord& record, int side);
 
 // Rotates a vector of modes by R.
 inline Eigen::VectorXd turned_modes(const Mat3<double>& R, const Eigen::VectorXd& modes) {

@@ -14,10 +14,6 @@ namespace mpdem {
 
 namespace {
 
-// Modes in use. The radial functions are of the degree that the cells resolve, at most kMostDegree; harmonics of an intact patch
-// have at most order 2, and those beyond it belong to the tail.
-constexpr int kOrders = 2, kLeastDegree = 2, kMostDegreeOfRing = 8, kMostDegreeOfCap = 5;
-
 using Sums = vd[3 * ElasticEnd::kMostModes];
 
 // K' d for links of stiffness k along n and across it.
@@ -36,8 +32,6 @@ Eigen::VectorXd in_axes(const Mat3<double>& axes, const vd* sums, int size) {
 
 void PenaltyLinks::lay_out_elastic(const BondRecord& record) {
   elastic_.emplace();
-  const Eigen::Vector3d centre[2] = {Eigen::Vector3d(record.centre[0][0], record.centre[0][1], record.centre[0][2]),
-                                     Eigen::Vector3d(record.centre[1][0], record.centre[1][1], record.centre[1][2])};
   std::size_t first = 0;
   for (int s = 0; s < 2; ++s) {
     ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(s)];
@@ -46,17 +40,12 @@ void PenaltyLinks::lay_out_elastic(const BondRecord& record) {
     while (end < blocks_.size() && blocks_[end].side == s) ++end;
     first = end;
     if (record.grain_E[s] == 0.0) continue;
-    const double inner = record.patch[s][0], outer = record.patch[s][1];
-    const int across = static_cast<int>(std::lround(record.radius[s] * (outer - inner) / cell_));
-    const int degree = std::clamp(across, kLeastDegree, inner > 0.0 ? kMostDegreeOfRing : kMostDegreeOfCap);
-    const Eigen::Vector3d pole = (centre[1 - s] - centre[s]).normalized(), x = pole.unitOrthogonal(), y = pole.cross(x);
-    Mat3<double> axes;
-    for (int d = 0; d < 3; ++d) axes.a[d][0] = x[d], axes.a[d][1] = y[d], axes.a[d][2] = pole[d];
-    e.end = ElasticEnd(PatchCompliance::of(inner, outer, degree, kOrders, {record.grain_E[s], record.grain_nu[s]}, record.radius[s]), axes);
+    const Mat3<double> axes = mpdem::axes_of_patch(record, s);
+    e.end = ElasticEnd(patch_of(record, s, cell_), axes);
     for (std::size_t i = e.first_block; i < end; ++i) {
       const vd* X = created_at(blocks_[i]);
       vd from[3], direction[3];
-      for (int d = 0; d < 3; ++d) from[d] = X[d] - centre[s][d];
+      for (int d = 0; d < 3; ++d) from[d] = X[d] - record.centre[s][d];
       const vd inverse = 1.0 / sqrt(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
       for (int d = 0; d < 3; ++d) direction[d] = inverse * (axes.a[0][d] * from[0] + axes.a[1][d] * from[1] + axes.a[2][d] * from[2]);
       e.end.add_block(direction);
@@ -104,6 +93,10 @@ void PenaltyLinks::take_modal_stiffness(int side, const std::vector<double>& of_
   elastic_->stiffness_changed = false;
 }
 
+void PenaltyLinks::note_debonding() {
+  for (const ElasticEnds::Side& e : elastic_->side) elastic_->some_debonded = elastic_->some_debonded || e.amplitudes.size() > 0;
+}
+
 void PenaltyLinks::find_modal_loads(const Grid& grid, const BondEnd* ends, double dt) {
   with_basis(basis_, [&](auto type) {
     for (int side = 0; side < 2; ++side) {
@@ -141,9 +134,10 @@ void PenaltyLinks::find_modal_loads(const Grid& grid, const BondEnd* ends, doubl
 
 // Central differences of the springs of all links, before and after some of them debond. See energy_at_debonding(), which has the
 // part without the modes.
-void PenaltyLinks::take_modal_loads(int side, const Eigen::VectorXd& of_all) {
+void PenaltyLinks::find_amplitudes(int side, const Vector6& w) {
   ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
-  const Eigen::VectorXd now = e.response * of_all;
+  Eigen::VectorXd now = e.response.M * e.of_all;
+  if (elastic_->coupled) now += e.response.H * w;
   elastic_->released += elastic_->some_debonded ? 0.5 * (e.before.dot(now) - (e.loads + e.debonded_loads).dot(e.amplitudes)) : 0.0;
   e.amplitudes = now;
   e.debonded_loads.setZero();
@@ -191,9 +185,11 @@ void PenaltyLinks::add_whole_elastic_force(Grid& grid, BondEnd* ends, double dt,
           elastic_->side[static_cast<std::size_t>(side)].end.response(modal_stiffness(side));
   elastic_->stiffness_changed = false;
   find_modal_loads(grid, ends, dt);
-  for (int side = 0; side < 2; ++side)
-    if (!elastic_->side[static_cast<std::size_t>(side)].end.is_rigid())
-      take_modal_loads(side, Eigen::VectorXd(elastic_->side[static_cast<std::size_t>(side)].loads));
+  for (int side = 0; side < 2; ++side) {
+    if (elastic_->side[static_cast<std::size_t>(side)].end.is_rigid()) continue;
+    take_modal_loads(side, modal_loads(side));
+    find_amplitudes(side, Vector6::Zero());
+  }
   released += add_elastic_force(grid, ends);
 }
 
@@ -224,6 +220,7 @@ double PenaltyLinks::modal_energy() const {
 
 void PenaltyLinks::continue_from(const PenaltyLinks& before) {
   if (!elastic_ || !before.elastic_) return;
+  elastic_->coupled = before.elastic_->coupled;
   for (std::size_t s = 0; s < 2; ++s) {
     ElasticEnds::Side& to = elastic_->side[s];
     const ElasticEnds::Side& from = before.elastic_->side[s];

@@ -43,9 +43,7 @@ double PenaltyLinks::largest_onset_share(const SmallSeparations& separations, co
         vd delta[3] = {};
         for (int j = 0; j < 6; ++j)
           for (int i = 0; i < 3; ++i) delta[i] += splat(d[j]) * b.delta[j][i];
-        const LinkSeparation apart{delta[0] * b.n[0] + delta[1] * b.n[1] + delta[2] * b.n[2],
-                                   delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]};
-        most = max(most, traction.onset_share(counted(apart, n)));
+        most = max(most, traction.onset_share(counted(separation_of(delta, b.n), n)));
       }
   });
   return largest_lane(most);

@@ -14,13 +14,6 @@
 
 namespace mpdem {
 
-namespace {
-
-LinkSeparation separation_of(const vd* delta, const vd* n) {
-  return {delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2], delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]};
-}
-}  // namespace
-
 // Position of the link when its bond was created.
 double PenaltyLinks::created(const PointStore& points, const Link& k, int d) const {
   const int b = k.slot / kLanes, l = k.slot % kLanes;

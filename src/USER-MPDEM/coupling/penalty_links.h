@@ -141,20 +141,32 @@ class PenaltyLinks {
   void add_small_force(const std::vector<Secant>& secants, const double* x, const double (*motion)[6], double* force,
                        double (*load)[6]) const;
   // Elastic grains (elastic_end.h), in elastic_links.cpp. update_and_add_force() does all this for a bond that is whole on its rank.
-  // Where ranks cut a bond they sum the loads of the modes first, and their stiffness where it changed on any of them. Modes of a
-  // side are in the axes of its patch.
+  // Where ranks cut a bond, or a grain has other bonds, cement/step/elastic_forces.h does it: ranks sum the loads of the modes, and their
+  // stiffness where it changed, and bonds on one grain move each other. Modes of a side are in the axes of its patch.
   bool is_elastic() const { return elastic_.has_value(); }
   int modal_size(int side) const { return elastic_->side[static_cast<std::size_t>(side)].end.size(); }
   bool modal_stiffness_changed() const { return elastic_->stiffness_changed; }
   bool some_debonded() const { return elastic_->some_debonded; }  // in this step
   std::vector<double> modal_stiffness(int side) const;            // ElasticEnd::stiffness() of the links of this rank
   Eigen::MatrixXd modal_response(int side, const std::vector<double>& of_all) const {
-    return elastic_->side[static_cast<std::size_t>(side)].end.response(of_all);
+    return elastic_->side[static_cast<std::size_t>(side)].end.response(of_all).M;
   }
   void take_modal_stiffness(int side, const std::vector<double>& of_all, bool debonded);
   void find_modal_loads(const Grid& grid, const BondEnd* ends, double dt);
   const Eigen::VectorXd& modal_loads(int side) const { return elastic_->side[static_cast<std::size_t>(side)].loads; }
-  void take_modal_loads(int side, const Eigen::VectorXd& of_all);
+  void take_modal_loads(int side, const Eigen::VectorXd& of_all) { elastic_->side[static_cast<std::size_t>(side)].of_all = of_all; }
+  // The amplitudes, for the motion w of the patch by other bonds on the grain, and the load F of the patch for w = 0, and its
+  // stiffness k, see elastic_end.h.
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  void find_amplitudes(int side, const Vector6& w);
+  Vector6 rigid_load(int side) const {
+    const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
+    return e.response.H.transpose() * e.of_all;
+  }
+  const Eigen::Matrix<double, 6, 6>& rigid_stiffness(int side) const { return elastic_->side[static_cast<std::size_t>(side)].response.k; }
+  bool is_coupled() const { return elastic_ && elastic_->coupled; }
+  void set_coupled(bool coupled) { elastic_->coupled = coupled; }
+  void note_debonding();  // of another bond on one of the grains
   // Adds the forces for these loads. Returns the energy that the modes release with links that debond in this step.
   double add_elastic_force(Grid& grid, BondEnd* ends);
   // Takes over the motion of the surfaces from the links before a new layout.
@@ -164,6 +176,15 @@ class PenaltyLinks {
                                                    const double (*motion)[6]) const;
   void add_small_elastic_force(const std::vector<Secant>& secants, const BondEnd* ends, const std::array<Eigen::VectorXd, 2>& amplitudes,
                                double* force, double (*load)[6]) const;
+  // Of each link of the store, for output: normal traction, tension positive, and the size of that along the surface; zero where it
+  // debonded. small_tractions(): for small motions as in add_small_force(), with the amplitudes of the modes of elastic grains.
+  struct LinkTraction {
+    double normal = 0.0, tangential = 0.0;
+  };
+  std::vector<LinkTraction> tractions(const PointStore& points, const Grid& grid, const BondEnd* ends) const;
+  std::vector<LinkTraction> small_tractions(const PointStore& points, const std::vector<Secant>& secants, const BondEnd* ends,
+                                            const double* x, const double (*motion)[6],
+                                            const std::array<Eigen::VectorXd, 2>& amplitudes) const;
   // The same stiffness in an assembled matrix: the nodes of the links, and their springs.
   void couple(StiffnessMatrix& matrix) const;
   void add_to(StiffnessMatrix& matrix, const std::vector<Secant>& secants) const;
@@ -282,6 +303,7 @@ class PenaltyLinks {
   void damper(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, const TractionSecant& k, const vd* q,
               const vd* n, vd* v, vd* f) const;
 
+  void put_traction(std::size_t block, const TractionSecant& k, const vd* delta, const vd* n, std::vector<LinkTraction>& of_links) const;
   void lay_out_elastic(const BondRecord& record);
   TractionSecant softened(int side, const TractionSecant& k) const {
     return elastic_ ? elastic_->side[static_cast<std::size_t>(side)].end.softened(k) : k;

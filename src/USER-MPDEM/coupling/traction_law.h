@@ -49,6 +49,10 @@ struct LinkSeparation {
   vd tangential_square() const { return max(square - n * n, vd{}); }
 };
 
+inline LinkSeparation separation_of(const vd* delta, const vd* n) {
+  return {delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2], delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]};
+}
+
 struct TractionSecant {
   vd kn, kt;
   // Energy per area of springs with this stiffness.

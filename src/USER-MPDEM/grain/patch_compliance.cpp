@@ -8,26 +8,11 @@
 #include <map>
 #include <vector>
 
+#include "polar_rule.h"
+
 namespace mpdem {
 
 namespace {
-
-struct Rule {
-  std::vector<double> angle, weight;  // the weight includes sin(angle)
-};
-
-// Gauss and Legendre's rule over the angle, by the eigenvalues of the recurrence (Golub and Welsch, Math. Comp. 23 (1969) 221).
-Rule rule_between(double from, double to, int points) {
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(points, points);
-  for (int k = 1; k < points; ++k) J(k, k - 1) = J(k - 1, k) = k / std::sqrt(4.0 * k * k - 1.0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> e(J);
-  Rule r;
-  for (int i = 0; i < points; ++i) {
-    r.angle.push_back(0.5 * (from + to) + 0.5 * (to - from) * e.eigenvalues()[i]);
-    r.weight.push_back((to - from) * e.eigenvectors()(0, i) * e.eigenvectors()(0, i) * std::sin(r.angle.back()));
-  }
-  return r;
-}
 
 // A vector mode is a sum of terms: the radial function, times a function of the polar angle, times cos or sin of an order of
 // the angle about the pole, along n, along the meridian or across it.
@@ -86,7 +71,7 @@ class Compliance {
     const double width = modes.outer() - modes.inner();
     constexpr double kDegrees = 24.0;  // the sum over degrees ends at this over the width
     highest_ = static_cast<int>(std::ceil(kDegrees / width));
-    rule_ = rule_between(modes.inner(), modes.outer(), 4 * modes.radials() + static_cast<int>(kDegrees) + 16);
+    rule_ = polar_rule(modes.inner(), modes.outer(), 4 * modes.radials() + static_cast<int>(kDegrees) + 16);
     radial_.resize(modes.radials(), static_cast<Eigen::Index>(rule_.angle.size()));
     for (std::size_t i = 0; i < rule_.angle.size(); ++i)
       modes.find_radials(std::cos(rule_.angle[i]), radial_.col(static_cast<Eigen::Index>(i)).data());
@@ -148,7 +133,7 @@ class Compliance {
   const SurfaceModes& modes_;
   double nu_;
   int highest_;
-  Rule rule_;
+  PolarRule rule_;
   Eigen::MatrixXd radial_;  // radial functions by points
   std::vector<std::vector<Term>> terms_;
 };
@@ -162,6 +147,35 @@ PatchCompliance::PatchCompliance(const SurfaceModes& modes, const GrainElasticit
   tail_ = 0.5 * Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(B, Eigen::EigenvaluesOnly).eigenvalues()[0];
   B.diagonal().array() -= tail_;
   factor_ = B.llt().matrixL();
+  find_rigid();
+}
+
+// Modes are linear combinations of the harmonics of order 0 and 1 where they move the patch as a rigid body.
+void PatchCompliance::find_rigid() {
+  constexpr int kAround = 12;
+  const PolarRule rule = polar_rule(modes_.inner(), modes_.outer(), 2 * modes_.radials() + 8);
+  rigid_.setZero(modes_.size(), 6);
+  std::vector<double> radial(modes_.radials()), harmonic(modes_.harmonics().size());
+  for (std::size_t i = 0; i < rule.angle.size(); ++i) {
+    const double c = std::cos(rule.angle[i]), s = std::sin(rule.angle[i]);
+    modes_.find_radials(c, radial.data());
+    for (int k = 0; k < kAround; ++k) {
+      const double phi = 2.0 * M_PI * k / kAround;
+      modes_.find_harmonics(std::cos(phi), std::sin(phi), harmonic.data());
+      Eigen::Matrix<double, 3, 6> G;
+      G.leftCols<3>().setIdentity();
+      const Eigen::Vector3d r = radius_ * Eigen::Vector3d(s * std::cos(phi), s * std::sin(phi), c);
+      for (int d = 0; d < 3; ++d) G.col(3 + d) = Eigen::Vector3d::Unit(d).cross(r);
+      G *= radius_ * rule.weight[i] * 2.0 * M_PI / kAround;  // values of the modes over the radius, areas times its square
+      for (int j = 0; j < modes_.scalars(); ++j)
+        rigid_.middleRows<3>(3 * j) += radial[modes_.modes()[j].radial] * harmonic[modes_.modes()[j].harmonic] * G;
+    }
+  }
+}
+
+Eigen::Matrix<double, 6, 6> PatchCompliance::of_rigid_patch() const {
+  const Eigen::MatrixXd y = factor_.triangularView<Eigen::Lower>().solve(rigid_);
+  return (y.transpose() * y).inverse();
 }
 
 std::shared_ptr<const PatchCompliance> PatchCompliance::of(double inner, double outer, int degree, int orders, const GrainElasticity& grain,

@@ -31,16 +31,23 @@ class PatchCompliance {
   const SurfaceModes& modes() const { return modes_; }
   double tail() const { return tail_; }                      // c, length over pressure
   const Eigen::MatrixXd& factor() const { return factor_; }  // L with L L' = B - c 1
-  double scale_of_modes() const { return 1.0 / radius_; }    // of the values of the modes
+  // Phi'G: amplitudes of the modes for unit motions of the patch as a rigid body, translations and rotations about the centre, in
+  // its axes.
+  const Eigen::Matrix<double, Eigen::Dynamic, 6>& rigid() const { return rigid_; }
+  // Motion for unit force and moment about the centre of the patch as a rigid body.
+  Eigen::Matrix<double, 6, 6> of_rigid_patch() const;
+  double scale_of_modes() const { return 1.0 / radius_; }  // of the values of the modes
 
   // The same object for equal patches of this process while one of them is in use.
   static std::shared_ptr<const PatchCompliance> of(double inner, double outer, int degree, int orders, const GrainElasticity& grain,
                                                    double radius);
 
  private:
+  void find_rigid();
   SurfaceModes modes_;
   double radius_, tail_ = 0.0;
   Eigen::MatrixXd factor_;
+  Eigen::Matrix<double, Eigen::Dynamic, 6> rigid_;
 };
 
 }  // namespace mpdem

@@ -203,7 +203,10 @@ class Bonds {
   }
   ResolvedRange<Bond> resolved() { return {here_.data(), resolved_indices()}; }
   ResolvedRange<const Bond> resolved() const { return {here_.data(), resolved_indices()}; }
-  void resolved_changed() { resolved_is_known_ = false; }  // call after changes of BondRecord::condensed
+  // Call after changes of BondRecord::condensed, on all ranks. resolved_changes() counts these calls.
+  void resolved_changed() { resolved_is_known_ = false, ++resolved_changes_; }
+  int resolved_changes_ = 0;
+  int resolved_changes() const { return resolved_changes_; }
   bool is_resolved(const Bond& b) const { return !table[b.row].condensed; }
 
   const BondRecord& record(const Bond& b) const { return table[b.row]; }

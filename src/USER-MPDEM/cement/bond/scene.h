@@ -56,6 +56,9 @@ struct StepInput {
   double gravity[3] = {0, 0, 0};
 };
 
+// Do bonds have elastic grains (coupling/elastic_end.h), and do bonds on one of them act on each other (cement/step/elastic_coupling.h)?
+enum class ElasticGrains { none, apart, coupled };
+
 struct Scene {
   static constexpr int kTopologyInterval =
       5;  // steps of the cement between two checks for separation, and between remappings of contact points
@@ -65,8 +68,8 @@ struct Scene {
   const std::unique_ptr<const Formulation> formulation;
   std::shared_ptr<const Law> law;            // of material 0; it has those of the others
   std::optional<PenaltyParameters> penalty;  // parameters of the links; none: no links
-  bool elastic_grains = false;               // some bond has an elastic grain, see coupling/elastic_end.h
-  double scaled_density = 0.0;               // density of the calcite times the mass scale
+  ElasticGrains elastic_grains = ElasticGrains::none;
+  double scaled_density = 0.0;  // density of the calcite times the mass scale
   BondedGrains grains;
   EnergyBalance energy;
   StepTimer timer;

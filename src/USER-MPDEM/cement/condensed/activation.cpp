@@ -133,6 +133,27 @@ void CondensedBonds::show_strain(Bond& bond, int member) const {
   }
 }
 
+std::vector<PenaltyLinks::LinkTraction> CondensedBonds::link_tractions(const Bond& bond, const BondRecord& record) const {
+  const int member = member_of(bond.row);
+  const Member& m = members_[static_cast<std::size_t>(member)];
+  if (m.piece >= 0) return std::vector<PenaltyLinks::LinkTraction>(bond.points.links.size());
+  const EndsAtCreation at(record);
+  const StaticBond& fields = m.solution->fields;
+  double d[6];
+  std::vector<double> x(3 * static_cast<std::size_t>(bond.grid.size()), 0.0);
+  std::array<Eigen::VectorXd, 2> amplitudes{Eigen::VectorXd::Zero(fields.amplitudes[0][0].size()),
+                                            Eigen::VectorXd::Zero(fields.amplitudes[0][1].size())};
+  for (std::size_t j = 0; j < 6; ++j) {
+    d[j] = pack_.relative(member, static_cast<int>(j));
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += d[j] * fields.displacement[j][i];
+    for (std::size_t side = 0; side < 2; ++side) amplitudes[side] += d[j] * fields.amplitudes[j][side];
+  }
+  const auto motions = motions_of(fields.frame, at.ends, d);
+  const double both[2][6] = {{motions[0][0], motions[0][1], motions[0][2], motions[0][3], motions[0][4], motions[0][5]},
+                             {motions[1][0], motions[1][1], motions[1][2], motions[1][3], motions[1][4], motions[1][5]}};
+  return bond.links.small_tractions(bond.points, bond.links.secants(bond.grid, at.ends), at.ends, x.data(), both, amplitudes);
+}
+
 void CondensedBonds::activate(MPI_Comm comm, int bond_row, Bond* bond, const Bonds& bonds, const double* gravity, double dt_last,
                               const Law& law) const {
   const BondRecord& row = bonds.table[bond_row];

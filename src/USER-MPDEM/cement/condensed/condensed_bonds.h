@@ -140,6 +140,8 @@ class CondensedBonds {
   // Write the strain due to the present motion to the points of one or all condensed bonds, for code that reads points.
   void show_strain(Bond& bond) const;
   void show_strains(Bonds& bonds) const;
+  // Tractions of the links of a condensed bond, as PenaltyLinks::tractions().
+  std::vector<PenaltyLinks::LinkTraction> link_tractions(const Bond& bond, const BondRecord& record) const;
   // Collective. Gives points and nodes of a bond the present motion, in equilibrium with the accelerations of the
   // grains. bond: null if this rank has no share of it. dt_last: length of the last step; velocities are half of it
   // earlier.

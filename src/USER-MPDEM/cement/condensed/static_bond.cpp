@@ -102,6 +102,9 @@ class Equations {
   // The shift of component i.
   double shift(std::size_t i) const { return shift_[i / 3]; }
 
+  // Of the modes of elastic grains, by the last call of force().
+  const std::array<Eigen::VectorXd, 2>& amplitudes() const { return amplitudes_; }
+
   // Maximum and sum over the ranks of the bond.
   double largest(double mine) const {
     if (comm_ == MPI_COMM_SELF) return mine;
@@ -138,6 +141,7 @@ class Equations {
       if (system_ && modes_[side] > 0) modes[side] = response_[side] * modes[side];
     }
     if (system_) system_->links.add_small_elastic_force(secants_, system_->ends, modes, out.data(), load);
+    amplitudes_ = std::move(modes);
   }
   void add_up(double* values, std::size_t count) {
     if (comm_ != MPI_COMM_SELF && count > 0) MPI_Allreduce(MPI_IN_PLACE, values, static_cast<int>(count), MPI_DOUBLE, MPI_SUM, comm_);
@@ -161,10 +165,11 @@ class Equations {
   MPI_Comm comm_;
   const StaticSystem* system_;
   std::vector<PenaltyLinks::Secant> secants_;
-  std::vector<double> inverse_;              // diagonal preconditioner, one number a node
-  std::vector<double> shift_;                // shift of the operator, one number a node
-  int modes_[2] = {0, 0};                    // numbers of modes of elastic grains, three for each scalar mode
-  Eigen::MatrixXd response_[2];              // of these modes
+  std::vector<double> inverse_;  // diagonal preconditioner, one number a node
+  std::vector<double> shift_;    // shift of the operator, one number a node
+  int modes_[2] = {0, 0};        // numbers of modes of elastic grains, three for each scalar mode
+  Eigen::MatrixXd response_[2];  // of these modes
+  std::array<Eigen::VectorXd, 2> amplitudes_;
   std::unique_ptr<StiffnessMatrix> matrix_;  // its factor is the preconditioner instead; null without
 };
 
@@ -247,6 +252,16 @@ BondFrame frame_of(const BondRecord& record, const BondEnd* ends) {
   return f;
 }
 
+std::array<std::array<double, 6>, 2> motions_of(const BondFrame& frame, const BondEnd* ends, const double* d) {
+  std::array<std::array<double, 6>, 2> motions{};
+  for (int j = 0; j < 6; ++j) {
+    double unit[6];
+    unit_motion(j, centre(ends[1]) - frame.middle, unit);
+    for (std::size_t i = 0; i < 6; ++i) motions[1][i] += d[j] * unit[i];
+  }
+  return motions;
+}
+
 StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
   StaticBond bond;
   Equations equations(comm, system, most > kMostStepsOfCandidate ? kLeastPivot : kLeastPivotOfCandidate);
@@ -278,6 +293,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
           kCureOfLooseNodes));
     bond.products += 2 + steps;
     equations.force(x, motion[j], force[j], load_of[j]);
+    bond.amplitudes[j] = equations.amplitudes();
     if (system) bond.strain[j] = strain_by(system->points, system->grid, x.data());
   }
   for (int i = 0; i < 6; ++i)

@@ -63,8 +63,9 @@ struct StaticSystem {
 struct StaticBond {
   BondFrame frame{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   Matrix6 stiffness = Matrix6::Zero();
-  std::array<std::vector<double>, 6> displacement;  // three numbers a node, constrained nodes included
-  std::array<std::vector<Sym3<vd>>, 6> strain;      // of each block, in the material frames
+  std::array<std::vector<double>, 6> displacement;           // three numbers a node, constrained nodes included
+  std::array<std::vector<Sym3<vd>>, 6> strain;               // of each block, in the material frames
+  std::array<std::array<Eigen::VectorXd, 2>, 6> amplitudes;  // of the modes of elastic grains, by field and side
   Film::Strains strain_of_film;
   Matrix6 stiffness_of_film = Matrix6::Zero();  // of its columns: share of this rank in `stiffness`
   // With a traction law that has a state: what the interface between cement and grains feels.
@@ -78,6 +79,9 @@ struct StaticBond {
 inline constexpr char kCureOfLooseNodes[] =
     "use 'edge tied' where edges are free, more intact points or 'condense no', and for a bond whose points come later 'points now' or "
     "'overlap skip' of create_cement";
+
+// Motions of both grains, translation of the centre and rotation, for six numbers d of the second against the first.
+std::array<std::array<double, 6>, 2> motions_of(const BondFrame& frame, const BondEnd* ends, const double* d);
 
 // Collective over comm, which has all ranks that share the bond. Each rank passes its share of the same bond, or null
 // if it has none. Throws BadState if the iteration does not converge.

@@ -44,7 +44,9 @@ void Cement::couple(const PenaltyParameters* penalty) {
 void Cement::set_elastic_grains(const std::vector<ElasticPair>& of_rows) {
   mpdem::set_elastic_grains(scene_.comm, scene_.bonds(), of_rows);
   const auto is_elastic = [](const BondRecord& r) { return r.grain_E[0] + r.grain_E[1] > 0.0; };
-  scene_.elastic_grains = std::any_of(scene_.bonds().table.begin(), scene_.bonds().table.end(), is_elastic);
+  const bool any = std::any_of(scene_.bonds().table.begin(), scene_.bonds().table.end(), is_elastic);
+  // Condensed bonds do not know the loads of others, and the load of a bond must not jump where it is resolved.
+  scene_.elastic_grains = !any ? ElasticGrains::none : scene_.options.condense ? ElasticGrains::apart : ElasticGrains::coupled;
 }
 
 void Cement::read_point_states() {
@@ -111,6 +113,12 @@ void Cement::change_step() {
 void Cement::show_points() {
   sync_slots();
   condensed_.show_strains(scene_.bonds());
+}
+
+std::vector<PenaltyLinks::LinkTraction> Cement::link_tractions(const Bond& b) const {
+  if (condensed_.has(b.row)) return condensed_.link_tractions(b, scene_.bonds().record(b));
+  if (b.links.empty()) return std::vector<PenaltyLinks::LinkTraction>(b.points.links.size());
+  return b.links.tractions(b.points, b.grid, scene_.grains.ends_of(b));
 }
 
 // Uses layouts of copies, since other fixes need the time step before the layout of the run is made.

@@ -59,6 +59,9 @@ class Cement {
   void couple(const PenaltyParameters* penalty);
   // Collective. Sets which grains are elastic, see cement/layout/elastic_grains.h.
   void set_elastic_grains(const std::vector<ElasticPair>& of_rows);
+  bool has_coupled_grains() const {
+    return scene_.elastic_grains == ElasticGrains::coupled;
+  }  // do bonds on one elastic grain act on each other?
   const std::optional<PenaltyParameters>& penalty() const { return scene_.penalty; }
   bool leaves_residue() const { return scene_.leaves_residue(); }
 
@@ -115,6 +118,8 @@ class Cement {
   void sync_slots() { layout_manager_.sync_slots(); }
   // Calls sync_slots(), and writes the strain of points of condensed bonds, for code that reads points.
   void show_points();
+  // Tractions of the links of a bond, for each link of its points. Call show_points() before.
+  std::vector<PenaltyLinks::LinkTraction> link_tractions(const Bond& b) const;
   // Properties of layouts that are not made yet. These change nothing, and need no run. eigenvalue_of_new_layout():
   // largest eigenvalue. stiffness_of_bonds(): static stiffness of each bond in the present state; needs links.
   // grains_step(): stability limit of the time step of grains on massless bonds of that stiffness.

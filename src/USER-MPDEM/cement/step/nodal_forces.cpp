@@ -8,14 +8,8 @@
 
 #include "../../coupling/shared_impulse.h"
 #include "../../mpm/consistent_mass.h"
-#include "../../parallel/ranks.h"
 
 namespace mpdem {
-
-namespace {
-constexpr double kDebonded = 1e9;                                                          // a number above that of the ranks
-constexpr int kMostStiffness = 3 * ElasticEnd::kMostModes * (ElasticEnd::kMostModes + 1);  // numbers of ElasticEnd::stiffness()
-}  // namespace
 
 BondContext NodalForces::at_work(Bond& b) {
   return {b.points, b.grid, scene_.grains.ends_of(b), scene_.bonds().record(b), b.added.of_nodes(), scene_.now.dt, kick_};
@@ -66,17 +60,10 @@ void NodalForces::advance_film(Bond& b) {
   if (scene_.penalty) cracks_.note_film_failure(b);
 }
 
-// Links to elastic grains wait for the loads of the modes of all ranks.
-bool NodalForces::waits(Bond& b) {
-  if (!b.links.is_elastic() || !b.cut_by_ranks()) return false;
-  waiting_.push_back(&b);
-  return true;
-}
-
 // Bonds that ranks do not cut are completed at once, while they are in cache.
 void NodalForces::add_forces(Bond& b) {
   scene_.timer.start(StepTimer::kCoupling);
-  if (waits(b)) return;
+  if (elastic_.waits(b)) return;
   follow_links(b);
   add_other_forces(b);
 }
@@ -109,74 +96,13 @@ void NodalForces::complete(Bond& b) {
 
 void NodalForces::begin(double kick) {
   kick_ = kick;
+  elastic_.find_coupling(starts_);
   pass_result_.dissipated = pass_result_.released = 0.0;
   if (grains_need_accelerations() && scene_.options.mass_order == 1) scene_.grains.begin_sums();
 }
 
-// The amplitudes of the modes of an elastic grain follow from the links of all ranks.
-void NodalForces::share_modal_loads() {
-  if (!scene_.elastic_grains || ranks_of(scene_.comm) == 1) return;
-  const double dt = scene_.now.dt;
-  BondEnds& ends = scene_.grains.ends;
-  std::vector<double> changed(ends.ends.size(), 0.0);
-  int any = 0;
-  for (Bond* b : waiting_)
-    if (b->links.modal_stiffness_changed()) changed[b->first_end_index] = b->links.some_debonded() ? kDebonded : 1.0, any = 1;
-  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
-  if (any) {
-    ends.sum(changed.data(), 1);
-    sum_modes(
-        kMostStiffness,
-        [&](Bond& b, int side) { return changed[b.first_end_index] > 0.0 ? b.links.modal_stiffness(side) : std::vector<double>(); },
-        [&](Bond& b, int side, const std::vector<double>& sums) {
-          b.links.take_modal_stiffness(side, sums, changed[b.first_end_index] >= kDebonded);
-        });
-  }
-  for (Bond* b : waiting_) b->links.find_modal_loads(b->grid, scene_.grains.ends_of(*b), dt);
-  sum_modes(
-      3 * ElasticEnd::kMostModes,
-      [](Bond& b, int side) {
-        const Eigen::VectorXd& s = b.links.modal_loads(side);
-        return std::vector<double>(s.data(), s.data() + s.size());
-      },
-      [](Bond& b, int side, const std::vector<double>& sums) {
-        b.links.take_modal_loads(side, Eigen::Map<const Eigen::VectorXd>(sums.data(), static_cast<Eigen::Index>(sums.size())));
-      });
-  for (Bond* b : waiting_) {
-    scene_.energy.release(b->links.add_elastic_force(b->grid, scene_.grains.ends_of(*b)));
-    if (starts_) add_other_forces_at_start(*b);
-    else add_other_forces(*b);
-  }
-  waiting_.clear();
-}
-
-// Sums numbers of the ends of bonds that ranks cut, at most so many an end, in pieces.
-template <class Get, class Take>
-void NodalForces::sum_modes(int most, Get get, Take take) {
-  constexpr int kPiece = 3 * ElasticEnd::kMostModes;
-  BondEnds& ends = scene_.grains.ends;
-  std::vector<std::vector<double>> numbers(2 * waiting_.size());
-  for (std::size_t n = 0; n < numbers.size(); ++n)
-    if (waiting_[n / 2]->links.modal_size(static_cast<int>(n % 2)) > 0) numbers[n] = get(*waiting_[n / 2], static_cast<int>(n % 2));
-  std::vector<double> piece(kPiece * ends.ends.size());
-  for (int first = 0; first < most; first += kPiece) {
-    std::fill(piece.begin(), piece.end(), 0.0);
-    const auto each = [&](auto f) {
-      for (std::size_t n = 0; n < numbers.size(); ++n)
-        for (std::size_t i = static_cast<std::size_t>(first); i < std::min(numbers[n].size(), static_cast<std::size_t>(first + kPiece));
-             ++i)
-          f(piece[kPiece * (waiting_[n / 2]->first_end_index + n % 2) + i - first], numbers[n][i]);
-    };
-    each([](double& to, double of_rank) { to = of_rank; });
-    ends.sum(piece.data(), kPiece);
-    each([](double of_all, double& to) { to = of_all; });
-  }
-  for (std::size_t n = 0; n < numbers.size(); ++n)
-    if (!numbers[n].empty()) take(*waiting_[n / 2], static_cast<int>(n % 2), numbers[n]);
-}
-
 void NodalForces::find_accelerations() {
-  share_modal_loads();
+  elastic_.find([this](Bond& b) { starts_ ? add_other_forces_at_start(b) : add_other_forces(b); });
   scene_.timer.start(StepTimer::kHalo);
   shared_.sum([](Bond& b) { return b.grid.force.data(); }, 3);
   scene_.timer.start(StepTimer::kNodes);
@@ -248,14 +174,14 @@ void NodalForces::add_other_forces_at_start(Bond& b) {
 void NodalForces::find_at_start() {
   scene_.grains.ends.clear_forces();
   scene_.grains.clear_sudden_forces();
+  starts_ = true;
   begin(scene_.kick());
   for (Bond& b : scene_.bonds().resolved()) {
     b.transfer_change.clear();
-    if (waits(b)) continue;
+    if (elastic_.waits(b)) continue;
     b.links.add_force(b.grid, scene_.grains.ends_of(b));
     add_other_forces_at_start(b);
   }
-  starts_ = true;
   find_accelerations();
   starts_ = false;
 }

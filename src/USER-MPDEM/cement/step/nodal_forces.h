@@ -8,9 +8,8 @@
 #ifndef MPDEM_CEMENT_STEP_NODAL_FORCES_H
 #define MPDEM_CEMENT_STEP_NODAL_FORCES_H
 
-#include <vector>
-
 #include "added_masses.h"
+#include "elastic_forces.h"
 #include "../condensed/condensed_bonds.h"
 #include "../failure/cracks.h"
 #include "../bond/scene.h"
@@ -21,7 +20,7 @@ namespace mpdem {
 class NodalForces {
  public:
   NodalForces(Scene& scene, SharedNodes& shared, const AddedMasses& added, CondensedBonds& condensed, Cracks& cracks)
-      : scene_(scene), shared_(shared), added_(added), condensed_(condensed), cracks_(cracks) {}
+      : scene_(scene), shared_(shared), added_(added), condensed_(condensed), cracks_(cracks), elastic_(scene) {}
 
   // Call before the pass over the points of all bonds. kick: time over which the accelerations of these forces change velocities.
   void begin(double kick);
@@ -47,15 +46,11 @@ class NodalForces {
 
  private:
   BondContext at_work(Bond& b);
-  bool waits(Bond& b);
   void follow_links(Bond& b);
   void advance_film(Bond& b);
   void add_other_forces(Bond& b);
   void add_other_forces_at_start(Bond& b);
   void end_forces(Bond& b);
-  void share_modal_loads();
-  template <class Get, class Take>
-  void sum_modes(int most, Get get, Take take);
   void complete(Bond& b);
   bool grains_need_accelerations() const { return (added_.any() || condensed_.any()) && scene_.grains.any_free(); }
   void find_grain_accelerations();
@@ -67,8 +62,8 @@ class NodalForces {
   const AddedMasses& added_;
   CondensedBonds& condensed_;
   Cracks& cracks_;
-  std::vector<Bond*> waiting_;  // see waits()
-  bool starts_ = false;         // find_at_start() is at work
+  ElasticForces elastic_;
+  bool starts_ = false;  // find_at_start() is at work
   AdvanceResult pass_result_;
   double kick_ = 0.0;
 };

@@ -3,6 +3,8 @@
 #include "compute_mpm_atom.h"
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include "../../material/laws.h"
 #include "../../mpm/material_runs.h"
@@ -58,13 +60,16 @@ enum Quantity {
   kMaterial,
   kModuliFactor,
   kStrengthFactor,
+  kLinkArea,
+  kTractionN,
+  kTractionT,
 };
 
 const std::vector<std::string> kNames = {
-    "damage",    "damage_xx", "damage_yy", "damage_zz", "damage_yz",     "damage_xz",       "damage_xy", "drive",     "stress_xx",
-    "stress_yy", "stress_zz", "stress_yz", "stress_xz", "stress_xy",     "stress_max",      "pressure",  "strain_xx", "strain_yy",
-    "strain_zz", "strain_yz", "strain_xz", "strain_xy", "attached",      "grain",           "failed",    "volume",    "axis_x",
-    "axis_y",    "axis_z",    "bond",      "material",  "moduli_factor", "strength_factor",
+    "damage",    "damage_xx", "damage_yy", "damage_zz", "damage_yz",     "damage_xz",       "damage_xy",     "drive",      "stress_xx",
+    "stress_yy", "stress_zz", "stress_yz", "stress_xz", "stress_xy",     "stress_max",      "pressure",      "strain_xx",  "strain_yy",
+    "strain_zz", "strain_yz", "strain_xz", "strain_xy", "attached",      "grain",           "failed",        "volume",     "axis_x",
+    "axis_y",    "axis_z",    "bond",      "material",  "moduli_factor", "strength_factor", "attached_area", "traction_n", "traction_t",
 };
 
 vd component(const Sym3<vd>& s, int i) {
@@ -141,7 +146,7 @@ vd ComputeMpmAtom::value_of(const mpdem::PointStore& points, int b, const L& law
   if (quantity_ == kMaterial) return mpdem::splat(m.material);
   if (quantity_ == kModuliFactor) return points.stiffness_factor(b);
   if (quantity_ == kStrengthFactor) return mpdem::drawn_strength(points, b);
-  if (quantity_ > kStrengthFactor) return law.column(quantity_ - kStrengthFactor - 1, p.strain, state);
+  if (quantity_ > kTractionT) return law.column(quantity_ - kTractionT - 1, p.strain, state);
   return vd{};
 }
 
@@ -158,7 +163,7 @@ void ComputeMpmAtom::compute_peratom() {
   for (int i = 0; i < atom->nlocal; ++i) vector_atom[i] = 0.0;
   for (const mpdem::Bond& bond : avec->bonds) {
     for (const mpdem::PointStore* points : bond.stores()) {
-      find_values(*points, avec->bonds.record(bond));
+      find_values(bond, *points);
       for (std::size_t b = 0; b < points->blocks.size(); ++b)
         for (int l = 0; l < kLanes; ++l) {
           if (!(points->meta[b].occupied >> l & 1)) continue;
@@ -170,7 +175,8 @@ void ComputeMpmAtom::compute_peratom() {
 }
 
 // Finds the values of the points of a store, by blocks.
-void ComputeMpmAtom::find_values(const mpdem::PointStore& points, const mpdem::BondRecord& record) {
+void ComputeMpmAtom::find_values(const mpdem::Bond& bond, const mpdem::PointStore& points) {
+  const mpdem::BondRecord& record = cement_->cement()->bonds.record(bond);
   value_.resize(points.blocks.size());
   const mpdem::Mat3<double> axes = mpdem::axes_of(record);
   for (int i = 0; i < 3; ++i)
@@ -179,15 +185,26 @@ void ComputeMpmAtom::find_values(const mpdem::PointStore& points, const mpdem::B
     for (int b = first; b < last; ++b) value_[static_cast<std::size_t>(b)].v = value_of(points, b, law);
   });
   // `attached` is 1 while the point is attached to a grain, 2 once the link has debonded. `grain` is the ID of that
-  // grain. Of two links, that of the nearer grain counts.
-  if (quantity_ == kAttached || quantity_ == kGrain)
-    for (const mpdem::Link& k : points.links) {
-      const int b = k.slot / kLanes, l = k.slot % kLanes;
-      double X[3];
-      for (int d = 0; d < 3; ++d) X[d] = points.created_at(b)[d][l];
-      const int nearer = mpdem::nearer_grain(record, mpdem::nearer_to_first(record, X));
-      if (value_[b].v[l] == 0.0 || k.grain == record.grain[nearer]) value_[b].v[l] = quantity_ == kGrain ? k.grain : k.attached ? 1.0 : 2.0;
-    }
+  // grain. Tractions are those of this link. Of two links, that of the nearer grain counts.
+  if (quantity_ != kAttached && quantity_ != kGrain && (quantity_ < kLinkArea || quantity_ > kTractionT)) return;
+  std::vector<mpdem::PenaltyLinks::LinkTraction> tractions(points.links.size());
+  if (quantity_ >= kTractionN && &points == &bond.points) tractions = cement_->link_tractions(bond);
+  std::vector<std::array<int, mpdem::kLanes>> chosen(value_.size());  // grain whose link gave the value, 0: none
+  for (auto& of_block : chosen) of_block.fill(0);
+  for (std::size_t n = 0; n < points.links.size(); ++n) {
+    const mpdem::Link& k = points.links[n];
+    const int b = k.slot / kLanes, l = k.slot % kLanes;
+    double X[3];
+    for (int d = 0; d < 3; ++d) X[d] = points.created_at(b)[d][l];
+    const int nearer = mpdem::nearer_grain(record, mpdem::nearer_to_first(record, X));
+    if (chosen[b][l] != 0 && k.grain != record.grain[nearer]) continue;
+    chosen[b][l] = k.grain;
+    value_[b].v[l] = quantity_ == kGrain       ? k.grain
+                     : quantity_ == kAttached  ? (k.attached ? 1.0 : 2.0)
+                     : quantity_ == kLinkArea  ? (k.attached ? k.area : 0.0)
+                     : quantity_ == kTractionN ? tractions[n].normal
+                                               : tractions[n].tangential;
+  }
 }
 
 double ComputeMpmAtom::memory_usage() { return static_cast<double>(size_) * sizeof(double); }

@@ -30,7 +30,7 @@ class ComputeMpmAtom : public Compute {
 
  private:
   FixMpm* find_cement() const;
-  void find_values(const mpdem::PointStore& points, const mpdem::BondRecord& record);
+  void find_values(const mpdem::Bond& bond, const mpdem::PointStore& points);
 
   template <class L>
   mpdem::vd value_of(const mpdem::PointStore& points, int block, const L& law) const;

@@ -124,6 +124,10 @@ void CementReport::parameters(Cement& c, bigint points) {
       text += text_of("  contact   cement that debonded goes through its grain",
                       word_of(o.unilateral, "", ", and faces of cracks through each other"),
                       "; 'friction' of fix mpm/couple makes them touch\n");
+    const auto elastic = std::count_if(table.begin(), table.end(), [](const BondRecord& b) { return b.grain_E[0] + b.grain_E[1] > 0.0; });
+    if (elastic > 0)
+      text += text_of("  grains    elastic under ", elastic, " of ", table.size(), " bonds; bonds on one grain ",
+                      word_of(c.has_coupled_grains(), "act on each other", "do not act on each other with 'condense yes'"), "\n");
     text += if_quasistatic(
         o, text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relative_damping, " of critical\n"));
     text +=

@@ -102,6 +102,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   // Updates the slots of atoms and the strains of points. Slots are outdated while points change cells, strains while
   // bonds are condensed. Call it before either is read.
   void show_points();
+  std::vector<mpdem::PenaltyLinks::LinkTraction> link_tractions(const mpdem::Bond& b) const { return cement_->link_tractions(b); }
   // Collective. Stable step of LIGGGHTS with the present number of sub-steps. of_grains: of grains on their bonds only.
   double stable_step(bool of_grains = false);
   // Number of sub-steps of the cement in a step of LIGGGHTS.
