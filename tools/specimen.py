@@ -209,7 +209,11 @@ def tell(rows, reference):
     if fit:
         print(
             f"{amount}: cohesion {1e-6 * fit['cohesion']:.3g} MPa, friction angle {fit['angle']:.3g} degrees, from {line['fitted']} strengths; "
-            f"these are off the line by at most {100 * fit['off']:.2g} % of the largest"
+            + (
+                "a line fits two of them always, more --pressures would show how well"
+                if line["fitted"] == 2
+                else f"these are off the line by at most {100 * fit['off']:.2g} % of the largest"
+            )
         )
     else:
         print(f"{amount}: no friction angle: less than two strengths are below the cap; set smaller --pressures or a larger content by --at")

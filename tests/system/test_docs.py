@@ -8,6 +8,7 @@ What is fenced has a word that says what becomes of it:
   sh, python          commands                            run
   sh-template         commands that take long or need a place of their own; files, targets, presets and variables
                       that they name must be there
+  sh-tutorial         commands of a tutorial, which test_tutorial_pages.py runs
   liggghts-compression  a script that includes cement.in, which test_parameters.py runs
   liggghts-specimen   lines of examples/specimen, which test_specimen.py runs
   liggghts-template   lines with words to be replaced; the command or style must be there
@@ -39,6 +40,7 @@ KINDS = {
     "liggghts-template",
     "sh",
     "sh-template",
+    "sh-tutorial",
     "python",
     "text",
 }
@@ -270,7 +272,7 @@ def test_template_names_what_there_is(page, text):
                 for variable in re.findall(r"-var (\w+)", line):
                     assert re.search(rf"^variable +{variable} +index", script.read_text(), re.M), variable
             if re.match(r"--[a-z]", word) and words[0].endswith(".py"):
-                options = (ROOT / words[0]).read_text()
+                options = (ROOT / words[0] if "/" in words[0] else ROOT / "tools" / words[0]).read_text()
                 if "runner.add_arguments" in options:
                     options += (ROOT / "tools" / "mpdem" / "runner.py").read_text()
                 assert f'"{word.split("=")[0]}"' in options, word
