@@ -12,7 +12,7 @@ export OMPI_ALLOW_RUN_AS_ROOT = 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM = 1
 endif
 
-.PHONY: help all demo test docs docs-pdf fuzz stress long tables check-deep mutants bench liggghts-from-source clean
+.PHONY: help all demo test docs docs-pdf deb fuzz stress long tables check-deep mutants bench liggghts-from-source clean
 .DEFAULT_GOAL := all
 
 help:  ## this list
@@ -60,6 +60,15 @@ docs-pdf:  ## the manual as PDF, in $(BUILD)/manual-pdf (LaTeX, some minutes)
 	/usr/bin/sphinx-build -W --keep-going -q -b latex -c doc/manual . $(BUILD)/manual-pdf
 	$(MAKE) -C $(BUILD)/manual-pdf
 	@echo "The manual: $(BUILD)/manual-pdf/user-mpdem.pdf"
+
+# A Debian package for other machines, with the manual: doc/installation.md. LEVELS: its instruction sets, the oldest first.
+LEVELS ?= x86-64-v3;x86-64-v4
+deb: docs  ## a Debian package for other machines, in $(BUILD)/deb
+	tools/setup.sh deb
+	cmake -S . -B $(BUILD)/deb -DMPDEM_TESTS=OFF -DMPDEM_UNITY=ON "-DMPDEM_LEVELS=$(LEVELS)" -DCMAKE_INSTALL_PREFIX=/usr \
+	  -DMPDEM_MANUAL=$(abspath $(BUILD))/manual $(CMAKE_OPTIONS)
+	cmake --build $(BUILD)/deb --parallel $(JOBS)
+	cd $(BUILD)/deb && cpack -G DEB
 
 # Scripts, point files and restart files with changed words and bytes, under AddressSanitizer and
 # UndefinedBehaviorSanitizer; about half an hour. Findings are scripts in $(BUILD)/fuzz. MINUTES=20: no round of

@@ -27,7 +27,7 @@ except ImportError as missing:
         "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
     )
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 COLUMNS = ("flaw", "amount", "seed", "load", "peak", "mode", "share_beads", "broken", "imbalance", "points", "steps", "wall")
 CUTOFF = 0.9  # of the damage, as in the script
 TITLES = {"pores": "pores, share of the volume", "softness": "largest damage at the start", "contact": "attached share of one bead's area"}
@@ -62,7 +62,7 @@ def arguments():
     p.add_argument("--coarse", metavar="S", type=positive, default=1e-4, help="spacing of the points, m (1e-4)")
     p.add_argument("--bonding", metavar="LAW", default="cohesive tn 1e7 tt 1e7 Gn 10.6 Gt 10.6", help="interface of the bonds with contact in patches")
     p.add_argument("--redraw", metavar="CSV", help="a flaws.csv of earlier runs, to be drawn again")
-    runner.add_arguments(p, os.path.join(ROOT, "build", "liggghts-mpdem"))
+    runner.add_arguments(p, ROOT)
     return p.parse_args()
 
 

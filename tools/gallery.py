@@ -27,7 +27,7 @@ except ImportError as missing:
         "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
     )
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 SPECIMEN = os.path.join(ROOT, "examples", "specimen")
 SCRIPTS = (  # folder, script, variables
     ("pair", "pair_table/in.pair_table", {"content": "0.02", "spacing": "1.4e-4", "inner": "auto", "frames": "50"}),
@@ -105,7 +105,7 @@ def main():
     p = argparse.ArgumentParser(description="Makes the pictures of doc/gallery.md.")
     p.add_argument("out", metavar="OUT", help="folder of the runs and pictures")
     p.add_argument("--ranks", metavar="N", type=runner.at_least_one, default=1, help="ranks of a run (1)")
-    p.add_argument("--exe", metavar="FILE", default=os.path.join(ROOT, "build", "liggghts-mpdem"), help="the executable")
+    p.add_argument("--exe", metavar="FILE", default=runner.executable(ROOT), help="the executable")
     args = p.parse_args()
     runner.check_executable(args)
     scene.on_a_screen()

@@ -28,7 +28,7 @@ except ImportError as missing:
         "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
     )
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 
 
 def arguments():
@@ -41,7 +41,7 @@ def arguments():
     p.add_argument("--contents", metavar="C,D", default="0.05,0.11,0.17,0.25", help="masses of cement over mass of the beads")
     p.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a variable of the script, or refine, layers, coarse")
     p.add_argument("--vary", metavar="NAME=V,W", action="append", default=[], help="the same, with several values")
-    runner.add_arguments(p, os.path.join(ROOT, "build", "liggghts-mpdem"))
+    runner.add_arguments(p, ROOT)
     p.add_argument("--script", metavar="FILE", default=os.path.join(ROOT, "examples", "pair_table", "in.pair_table"))
     return p.parse_args()
 

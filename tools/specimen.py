@@ -27,7 +27,7 @@ except ImportError as missing:
         "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
     )
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 
 
 def positive(text):
@@ -77,7 +77,7 @@ def arguments():
     )
     p.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a variable of the scripts")
     p.add_argument("--redraw", action="store_true", help="run nothing, draw what is finished")
-    runner.add_arguments(p, os.path.join(ROOT, "build", "liggghts-mpdem"))
+    runner.add_arguments(p, ROOT)
     return p.parse_args()
 
 

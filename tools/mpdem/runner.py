@@ -43,11 +43,17 @@ def at_least_one(text):
     return int(text)
 
 
-def add_arguments(parser, exe):
+def executable(root):
+    """That of the build in the folder `root`, the installed one if there is none."""
+    built = os.path.join(root, "build", "liggghts-mpdem")
+    return built if os.path.exists(built) else shutil.which("liggghts-mpdem") or built
+
+
+def add_arguments(parser, root):
     """Options of how runs are made: how many at a time, on how many ranks, by which executable."""
     parser.add_argument("--jobs", metavar="N", type=at_least_one, help="runs at a time (default: cores over ranks)")
     parser.add_argument("--ranks", metavar="N", type=at_least_one, default=1, help="ranks of a run (1)")
-    parser.add_argument("--exe", metavar="FILE", default=exe, help="the executable")
+    parser.add_argument("--exe", metavar="FILE", default=executable(root), help="the executable")
 
 
 def check_executable(args):

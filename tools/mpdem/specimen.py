@@ -15,7 +15,7 @@ import numpy as np
 from . import response, runner, waves
 from .run import Trouble
 
-FOLDER = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "examples", "specimen")
+FOLDER = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__)))), "examples", "specimen")
 STIFFNESS = (0.5, 0.6)  # up to this share of the peak, beyond the confining pressure, or to the first failure; from this share of that load
 ROWS = 5  # of the curve that a slope needs
 CALM = 1e-3  # kinetic share of the energy
