@@ -47,6 +47,7 @@ class NodalForces {
  private:
   BondContext at_work(Bond& b);
   void follow_links(Bond& b);
+  void note_links(Bond& b);
   void advance_film(Bond& b);
   void add_other_forces(Bond& b);
   void add_other_forces_at_start(Bond& b);
