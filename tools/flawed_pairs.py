@@ -9,7 +9,7 @@
 
 Makes the points of a bond without flaws by examples/flawed_pair/in.solid, puts flaws into them (tools/mpdem/flaws.py) and loads each
 by examples/pair_table/in.pair_table. Leaves flaws.csv and flaws.png in OUT. Called again it goes on where it was stopped.
---redraw runs nothing. Needs Debian's python3-numpy and python3-matplotlib.
+--redraw runs nothing. Needs Debian's python3-numpy, python3-pandas and python3-matplotlib.
 """
 import argparse
 import csv
@@ -23,7 +23,7 @@ try:
     from mpdem import flaws, run, runner, table
 except ImportError as missing:
     sys.exit(
-        f"flawed_pairs.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
+        f"flawed_pairs.py: {missing}; apt-get install python3-numpy python3-pandas python3-matplotlib, "
         "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
     )
 

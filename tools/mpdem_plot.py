@@ -14,7 +14,7 @@ summary.csv has a row a bond. Whether a bond is separated, the mode, the step an
 `peak_force_N` is the largest magnitude of the force along the line of centres, `sense` tells whether it is tension or
 compression, `largest_force_with_shear_N` is of the whole force. Openings are those of the gap between the grains since
 the first row of the table; below zero the gap has closed. `lowest_mean_load_over_peak` tells what is left of the load.
-Needs Debian's python3-numpy and python3-matplotlib.
+Needs Debian's python3-numpy, python3-pandas and python3-matplotlib.
 """
 import argparse
 import os
@@ -26,7 +26,7 @@ try:
     from mpdem import figures, interface, run, summary
 except ImportError as missing:
     sys.exit(
-        f"mpdem_plot.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
+        f"mpdem_plot.py: {missing}; apt-get install python3-numpy python3-pandas python3-matplotlib, "
         "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
     )
 
@@ -83,12 +83,12 @@ def main():
             stages = summary.stages(table, result, dumps)
         except run.Trouble as t:
             trouble = t
-    figures.force_displacement(os.path.join(out, "force_displacement.png"), table, result, stages)
+    figures.save(figures.force_displacement(table, result, stages), os.path.join(out, "force_displacement.png"))
     written.append("force_displacement.png")
     if stages:
         try:
             spacing = args.spacing or run.spacing(run.read_dump(dumps[min(dumps)]))
-            figures.damage_cut(os.path.join(out, "damage_cut.png"), table, result, stages, args.radius, spacing)
+            figures.save(figures.damage_cut(table, result, stages, args.radius, spacing), os.path.join(out, "damage_cut.png"))
             written.append("damage_cut.png")
             written += interface.draw(args, out, table, dumps, spacing)
         except run.Trouble as t:

@@ -11,7 +11,7 @@ Runs examples/pair_table/in.pair_table once for each entry, as many at a time as
 leaves table.csv and table.png in OUT, and map.png if the runs differ in the strength of a cohesive
 interface: the modes over content and that strength. Called again it goes on where it was stopped:
 finished runs are kept, others are run from the start; what is finished is written when it is stopped,
-too. --redraw runs nothing: it draws the figures anew. Needs Debian's python3-numpy and python3-matplotlib.
+too. --redraw runs nothing: it draws the figures anew. Needs Debian's python3-numpy, python3-pandas and python3-matplotlib.
 """
 import argparse
 import json
@@ -24,7 +24,7 @@ try:
     from mpdem import run, runner, table
 except ImportError as missing:
     sys.exit(
-        f"pair_table.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
+        f"pair_table.py: {missing}; apt-get install python3-numpy python3-pandas python3-matplotlib, "
         "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
     )
 
@@ -87,13 +87,14 @@ def groups(args):
 def draw(out, rows):
     """The figures of finished runs; their names."""
     from mpdem import mode_map, table_figure
+    from mpdem.figures import save
 
     names = []
     if rows:
-        table_figure.draw(os.path.join(out, "table.png"), rows)
+        save(table_figure.draw(rows), os.path.join(out, "table.png"))
         names.append("table.png")
     if mode_map.wanted(rows):
-        mode_map.draw(os.path.join(out, "map.png"), rows)
+        save(mode_map.figure(rows), os.path.join(out, "map.png"))
         names.append("map.png")
     return names
 

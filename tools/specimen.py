@@ -11,7 +11,7 @@ Runs the scripts of examples/specimen: in.pour once, in.cement once for each con
 compression and in tension, and for each confining pressure at one content; in.wave at marks of these. Leaves
 specimen.csv, waves.csv and figures in OUT, and prints cohesion and friction angle. Called again it goes on where it was
 stopped: finished runs are kept, loadings go on from their last checkpoint. --redraw runs nothing. Needs Debian's
-python3-numpy and python3-matplotlib.
+python3-numpy, python3-pandas and python3-matplotlib.
 """
 import argparse
 import os
@@ -23,7 +23,7 @@ try:
     from mpdem import response, run, runner, specimen
 except ImportError as missing:
     sys.exit(
-        f"specimen.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
+        f"specimen.py: {missing}; apt-get install python3-numpy python3-pandas python3-matplotlib, "
         "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script"
     )
 
@@ -128,31 +128,32 @@ def plan(args):
 
 def draw(out, rows, reference, line):
     from mpdem import specimen_figures as figures
+    from mpdem.figures import save
 
     items = [(load, r, specimen.Curve(os.path.join(out, load.label), load.test, load.pressure, load.arguments.get("young"))) for load, r in rows]
     names, roses = [], []
     usual = [i for i in items if i[0].kind == "drained"]
     if usual:
-        figures.curves(os.path.join(out, "curves.png"), usual, reference)
-        figures.awake(os.path.join(out, "awake.png"), usual)
-        figures.strengths(os.path.join(out, "strength.png"), usual, reference, line)
+        save(figures.curves(usual, reference), os.path.join(out, "curves.png"))
+        save(figures.awake(usual), os.path.join(out, "awake.png"))
+        save(figures.strengths(usual, reference, line), os.path.join(out, "strength.png"))
         names += ["curves.png", "awake.png", "strength.png"]
     confined = [i for i in items if i[0].pressure]
     if confined:
         drained = [i for i in confined if i[0].kind in ("drained", "cyclic")]
         if drained:
-            figures.pressures(os.path.join(out, "pressure.png"), drained)
+            save(figures.pressures(drained), os.path.join(out, "pressure.png"))
             names.append("pressure.png")
         names += respond(out, confined)
     for load, _, curve in (i for i in items if i[0].kind != "uncemented"):
         folder = os.path.join(out, load.label)
         bonds, beads = specimen.bonds_at(folder), specimen.beads_at(folder)
-        figures.energy(os.path.join(out, f"energy_{load.label}.png"), load, curve)
-        figures.bonds_in_space(os.path.join(out, f"bonds_{load.label}.png"), load, curve, bonds, beads)
+        save(figures.energy(load, curve), os.path.join(out, f"energy_{load.label}.png"))
+        save(figures.bonds_in_space(load, curve, bonds, beads), os.path.join(out, f"bonds_{load.label}.png"))
         names += [f"energy_{load.label}.png", f"bonds_{load.label}.png"]
         roses.append((load, bonds[min(bonds)], bonds[max(bonds)], beads[min(beads)]))
     if roses:
-        figures.rose(os.path.join(out, "rose.png"), roses)
+        save(figures.rose(roses), os.path.join(out, "rose.png"))
         names.append("rose.png")
     return names
 
@@ -160,6 +161,7 @@ def draw(out, rows, reference, line):
 def respond(out, confined):
     """The figure of each cemented specimen beside the uncemented one of its pressure, and of an uncemented one that is alone."""
     from mpdem import response_figure
+    from mpdem.figures import save
 
     names = []
     free = {load.pressure: load for load, _, _ in confined if load.kind == "uncemented"}
@@ -167,7 +169,7 @@ def respond(out, confined):
     for load in cemented or free.values():
         shown = [load] + ([free[load.pressure]] if load.pressure in free and load.kind == "drained" else [])
         names.append(f"response_{load.label}.png")
-        response_figure.response(os.path.join(out, names[-1]), [(x, *response.read(os.path.join(out, x.label))) for x in shown])
+        save(response_figure.response([(x, *response.read(os.path.join(out, x.label))) for x in shown]), os.path.join(out, names[-1]))
     return names
 
 
@@ -207,7 +209,11 @@ def tell(rows, reference):
     if fit:
         print(
             f"{amount}: cohesion {1e-6 * fit['cohesion']:.3g} MPa, friction angle {fit['angle']:.3g} degrees, from {line['fitted']} strengths; "
-            f"these are off the line by at most {100 * fit['off']:.2g} % of the largest"
+            + (
+                "a line fits two of them always, more --pressures would show how well"
+                if line["fitted"] == 2
+                else f"these are off the line by at most {100 * fit['off']:.2g} % of the largest"
+            )
         )
     else:
         print(f"{amount}: no friction angle: less than two strengths are below the cap; set smaller --pressures or a larger content by --at")

@@ -8,12 +8,14 @@ What is fenced has a word that says what becomes of it:
   sh, python          commands                            run
   sh-template         commands that take long or need a place of their own; files, targets, presets and variables
                       that they name must be there
+  sh-tutorial         commands of a tutorial, which test_tutorial_pages.py runs
   liggghts-compression  a script that includes cement.in, which test_parameters.py runs
   liggghts-specimen   lines of examples/specimen, which test_specimen.py runs
   liggghts-template   lines with words to be replaced; the command or style must be there
-  text                neither: output, formulas, folders
-Indented blocks are templates under the head Syntax, and formulas on the page theory.md. There are no others.
+  text                neither: output, folders
+Indented blocks are templates under the head Syntax. There are no others. Formulas are $...$ and $$...$$, see test_formulas.py.
 """
+import os
 import re
 import shutil
 import subprocess
@@ -38,6 +40,7 @@ KINDS = {
     "liggghts-template",
     "sh",
     "sh-template",
+    "sh-tutorial",
     "python",
     "text",
 }
@@ -190,8 +193,27 @@ def test_order_of_a_page(page):
 def test_blocks_say_what_they_are(page):
     kinds = {kind for _, kind, _ in FENCED.findall(page.read_text())}
     assert kinds <= KINDS and page.read_text().count("```") == 2 * len(FENCED.findall(page.read_text())), kinds
-    if page.name != "theory.md":
-        assert not [(head, line) for head, line in indented(page) if head != "Syntax"]
+    assert not [(head, line) for head, line in indented(page) if head != "Syntax"]
+
+
+def uneven_rows(text):
+    """Rows of tables with other numbers of cells than the head; a | in a cell has a backslash, also in code."""
+    wrong, cells = [], 0
+    for line in text.splitlines():
+        count = len(re.findall(r"(?<!\\)\|", line)) if line.startswith("|") else 0
+        if count and cells and count != cells:
+            wrong.append(line)
+        cells = cells or count if count else 0
+    return wrong
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_rows_have_the_cells_of_their_table(page):
+    assert not uneven_rows(prose(page))
+
+
+def test_an_uneven_row_is_found():
+    assert uneven_rows("| a | b |\n|---|---|\n| `x|y` | 1 |\n") and not uneven_rows("| a | b |\n|---|---|\n| `x\\|y` | 1 |\n\n| a |\n|---|\n")
 
 
 # --------------------------------------------------------------------------------------------------- commands
@@ -214,10 +236,14 @@ def test_command(command, folders):
     assert done.returncode == 0 and "ERROR" not in done.stdout, done.stdout[-2000:] + done.stderr[-2000:]
 
 
-@pytest.mark.parametrize("script", [pytest.param(text, id=page.stem) for page, text in blocks("python")])
-def test_python(script, folders):
-    done = subprocess.run([sys.executable, "-c", script], cwd=folders, capture_output=True, text=True, timeout=120 * PATIENCE)
-    assert done.returncode == 0, done.stderr[-2000:]
+@pytest.mark.parametrize("page,script", [pytest.param(page, text, id=page.stem) for page, text in blocks("python")])
+def test_python(page, script, folders):
+    """Scripts find the package mpdem, and what the commands of their page left."""
+    environment = {**os.environ, "PYTHONPATH": "tools", "MPLBACKEND": "Agg", "PYTHONDONTWRITEBYTECODE": "1"}
+    before = "".join(text for of, text in blocks("sh") if of == page)
+    for command in (["sh", "-euc", before], [sys.executable, "-c", script]):
+        done = subprocess.run(command, cwd=folders, capture_output=True, text=True, timeout=120 * PATIENCE, env=environment)
+        assert done.returncode == 0, done.stderr[-2000:]
 
 
 @pytest.mark.parametrize("page,text", [pytest.param(page, text, id=f"{page.stem}:{' '.join(text.split()[:5])[:40]}") for page, text in blocks("sh-template")])
@@ -246,7 +272,7 @@ def test_template_names_what_there_is(page, text):
                 for variable in re.findall(r"-var (\w+)", line):
                     assert re.search(rf"^variable +{variable} +index", script.read_text(), re.M), variable
             if re.match(r"--[a-z]", word) and words[0].endswith(".py"):
-                options = (ROOT / words[0]).read_text()
+                options = (ROOT / words[0] if "/" in words[0] else ROOT / "tools" / words[0]).read_text()
                 if "runner.add_arguments" in options:
                     options += (ROOT / "tools" / "mpdem" / "runner.py").read_text()
                 assert f'"{word.split("=")[0]}"' in options, word

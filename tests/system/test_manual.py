@@ -58,3 +58,35 @@ def test_links_lead_somewhere(manual):
             if not to.is_file() or (place and to.suffix == ".html" and place not in ids_of(to)):
                 lost.append(f"{page.name}: {link}")
     assert not lost
+
+
+def test_formulas_are_drawn_by_what_is_beside_the_pages(manual):
+    """MathJax is in the folder, as files and not as links, so that the folder can be moved; pages with formulas load it."""
+    drawn = [page for page in manual.rglob("*.html") if 'class="math ' in page.read_text(encoding="utf-8")]
+    assert len(drawn) > 12
+    for page in drawn:
+        (script,) = re.findall(r'<script [^>]*src="([^"]*MathJax[^"]*)"', page.read_text(encoding="utf-8"))
+        file, _, config = script.partition("?config=")
+        mathjax = (page.parent / file).resolve().parent
+        assert mathjax == manual / "_static" / "mathjax" and (mathjax / "MathJax.js").is_file() and (mathjax / "config" / f"{config}.js").is_file()
+    assert list((manual / "_static/mathjax/jax/output/SVG/fonts/TeX").rglob("Main.js")), "the font"
+    assert not [path for path in manual.rglob("*") if path.is_symlink()]
+    assert sum(path.stat().st_size for path in manual.rglob("*") if path.is_file()) < 40e6
+
+
+def test_no_formula_is_left_as_text(manual):
+    """A $ outside of code is a formula that MyST did not read."""
+    left = []
+    for page in manual.rglob("*.html"):
+        text = re.sub(
+            r"<pre>.*?</pre>|<code.*?</code>|<script.*?</script>|<(span|div) class=\"math [^>]*>.*?</\1>", "", page.read_text(encoding="utf-8"), flags=re.S
+        )
+        left += [(page.name, found) for found in re.findall(r".{20}\$.{20}", text)]
+    assert not left
+
+
+def test_scripts_of_the_theme_run_in_a_browser(manual):
+    """Debian's Furo has a script that imports another, which a browser refuses in a page; the choice of dark or light needs it."""
+    script = (manual / "_static/scripts/furo.js").read_text(encoding="utf-8")
+    assert "root.Gumshoe = factory(root)" in script and not re.search(r"^import ", script, re.M)
+    assert "prefers-color-scheme: dark" in (manual / "_static/manual.css").read_text(encoding="utf-8")

@@ -221,7 +221,7 @@ def test_damaged_links_in_bond_stiffness(tmp_path, figures):
     figures.below("open damaged links: stiffness over that without damage, against 1 - D", abs(tension(D, 1e-3) / whole / (1 - D) - 1), 0.01)
     figures.below("closed damaged links: the same against 1 - D/2", abs(tension(D, -1e-3) / whole / (1 - D / 2) - 1), 0.01)
     page = " ".join((DOC / "bond_stiffness.md").read_text().split())
-    assert "(1 - D) of kn and kt where they are open" in page and "(1 - D/2) of kn and (1 - D) of kt" in page
+    assert "$(1 - D)$ of `kn` and `kt` where they are open" in page and "$(1 - D/2)$ of `kn` and $(1 - D)$ of `kt`" in page
 
 
 # ------------------------------------------------------------------------------------- fix mpm

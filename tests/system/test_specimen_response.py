@@ -16,7 +16,7 @@ from scenes import PATIENCE, executable, launch
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "examples" / "specimen"
 sys.path.insert(0, str(ROOT / "tools"))
-from mpdem import response, waves
+from mpdem import response, tables, waves
 
 BEADS = 24
 CALCITE = 0.02
@@ -122,7 +122,7 @@ def test_stress_and_strain(drained, figures):
 def test_energies_go_on(drained, figures):
     """Sums of the cement (work, dissipation, failed points) do not jump where a loading went on."""
     c = response.whole(str(drained), "curve")
-    begins = [b for b, _ in response.pieces(str(drained), "curve") if b]
+    begins = [b for b, _ in tables.pieces(str(drained), "curve") if b]
     assert len(begins) > 1 and abs(c["imbalance"][1:]).max() < 1e-3
     for name in ("work", "dissipated", "failed", "broken"):
         steps = np.searchsorted(c["step"], begins)

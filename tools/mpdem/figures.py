@@ -2,15 +2,13 @@
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 """The two figures, sized for print: force against displacement, damage on a cut."""
 import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib import patheffects
+from matplotlib.collections import PolyCollection
+from matplotlib.patches import Circle, Patch
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib import patheffects  # noqa: E402
-from matplotlib.collections import PolyCollection  # noqa: E402
-from matplotlib.patches import Circle, Patch  # noqa: E402
-
-from . import run  # noqa: E402
+from . import run
 
 CURVE, FAILED, DEBONDED, MARK = "#1b2a49", "#d98b4a", "#6aa69a", "#c1272d"
 GRAIN, GRAIN_EDGE = "#ececec", "#707070"
@@ -19,8 +17,10 @@ MAP = "viridis"
 HALO = [patheffects.withStroke(linewidth=2.0, foreground="white")]
 WIDTH = 7.48  # of the cuts, inches: a page of two columns
 HALF_CUT = 1.4  # spacings: whole layers whether or not one lies on the plane
+AROUND, ABOVE = np.radians(25.0), np.radians(12.0)  # direction in which packings are seen
 
-plt.rcParams.update(
+
+styled = matplotlib.rc_context(  # of a function that returns a figure; the caller's own style stays as it is
     {
         "font.family": "DejaVu Sans",
         "font.size": 8,
@@ -35,13 +35,13 @@ plt.rcParams.update(
         "ytick.direction": "in",
         "xtick.major.width": 0.6,
         "ytick.major.width": 0.6,
-        "savefig.dpi": 600,
         "mathtext.default": "regular",
     }
 )
 
 
-def force_displacement(path, bond, result, stages):
+@styled
+def force_displacement(bond, result, stages):
     fig, ax = plt.subplots(figsize=(5.2, 3.7))
     fig.subplots_adjust(left=0.12, right=0.88, bottom=0.115, top=0.835)
     counts = ax.twinx()
@@ -111,7 +111,7 @@ def force_displacement(path, bond, result, stages):
         drawn = [h for h in handles if h.get_linestyle() != "None"]
         label_stages(ax, [s[0] for s in stages], at, drawn + star)
     ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.01), ncol=3, frameon=False, handlelength=1.6, columnspacing=1.4)
-    save(fig, path)
+    return fig
 
 
 def label_stages(ax, letters, at, lines):
@@ -138,7 +138,8 @@ def label_stages(ax, letters, at, lines):
         ax.annotate(f"({letter})", point, xytext=(place - mark) / per_point, textcoords="offset points", ha="center", va="center", zorder=6, path_effects=HALO)
 
 
-def damage_cut(path, bond, result, stages, radius, spacing):
+@styled
+def damage_cut(bond, result, stages, radius, spacing):
     """The lower grain fixed, the upper one displaced by the opening of the gap; line of centres on z."""
     cuts = [cut(run.read_dump(p), p, spacing, bond.number) for _, _, p in stages]
     mm = 1e3
@@ -186,7 +187,7 @@ def damage_cut(path, bond, result, stages, radius, spacing):
         ncol=2,
         frameon=False,
     )
-    save(fig, path)
+    return fig
 
 
 def cut(points, path, spacing, number):
@@ -220,9 +221,18 @@ def squares(ax, points, half):
     return sound
 
 
-def save(fig, path):
+def view(xyz):
+    """Places as a packing is seen: to the right, upward, away."""
+    right = np.array([np.cos(AROUND), np.sin(AROUND), 0.0])
+    away = np.array([-np.sin(AROUND) * np.cos(ABOVE), np.cos(AROUND) * np.cos(ABOVE), -np.sin(ABOVE)])
+    return xyz @ np.array([right, np.cross(right, away), away]).T
+
+
+@styled
+def save(fig, path, dpi=600):
+    """Writes a figure and closes it."""
     try:
-        fig.savefig(path)
+        fig.savefig(path, dpi=dpi)
     except OSError as e:
         raise run.Trouble(f"{path}: {e.strerror}; name a folder that can be written") from None
     plt.close(fig)

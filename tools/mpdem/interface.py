@@ -13,7 +13,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Circle, Patch
 
 from . import loading, run
-from .figures import GRAIN, GRAIN_EDGE, HALF_CUT, MAP, plt, save
+from .figures import GRAIN, GRAIN_EDGE, HALF_CUT, MAP, plt, save, styled
 
 FREE, ATTACHED, KEPT, RESIDUE = "#9db4c8", "#c8553d", "#dddddd", "#4f9d69"
 TIMES = "plasma"
@@ -44,7 +44,7 @@ def draw(args, out, bond, dumps, spacing):
         return []
     if "c_bond" in first:
         first = {c: v[first["c_bond"] == bond.number] if c != "step" else v for c, v in first.items()}
-    geometry(os.path.join(out, "geometry.png"), bond, first, args.radius, spacing)
+    save(geometry(bond, first, args.radius, spacing), os.path.join(out, "geometry.png"))
     written = ["geometry.png"]
     name = args.events or f"{run.beside(bond, 'events')}.csv"
     path = next((p for p in (os.path.join(args.run_dir, name), name) if os.path.isfile(p)), None)
@@ -70,7 +70,7 @@ def draw(args, out, bond, dumps, spacing):
     if grain not in bond.grains:
         raise run.Trouble(f"--grain {grain}: the grains of bond {bond.number} are {bond.grains[0]} and {bond.grains[1]}")
     last = run.read_dump(dumps[max(dumps)])
-    interface(os.path.join(out, "interface.png"), bond, grain, first, last, events, args.radius, spacing)
+    save(interface(bond, grain, first, last, events, args.radius, spacing), os.path.join(out, "interface.png"))
     return written + ["interface.png"]
 
 
@@ -85,7 +85,8 @@ def tiles(x, y, half):
     return np.column_stack([x, y])[:, None] + corners
 
 
-def geometry(path, bond, points, radius, spacing):
+@styled
+def geometry(bond, points, radius, spacing):
     """A cut through the line of centres, and the points attached to the first grain from above."""
     mm, half = 1e3, 0.46e3 * spacing
     x, y, z = (mm * points[c] for c in "xyz")
@@ -124,10 +125,11 @@ def geometry(path, bond, points, radius, spacing):
         frameon=False,
         bbox_to_anchor=(0.05, 0.0),
     )
-    save(fig, path)
+    return fig
 
 
-def interface(path, bond, grain, first, last, events, radius, spacing):
+@styled
+def interface(bond, grain, first, last, events, radius, spacing):
     """Disc of the points linked to a grain: damage at the last dump, time of debonding; radius against time.
 
     Lines mark where the surface of the grain crosses from one layer of the lattice of points to the next:
@@ -194,4 +196,4 @@ def interface(path, bond, grain, first, last, events, radius, spacing):
     box = ax.get_position()
     for a in (ax, load):
         a.set_position([box.x0 + 0.01, 0.15, box.width, 0.70])
-    save(fig, path)
+    return fig

@@ -5,13 +5,13 @@
 `way` is the way (m) or angle (rad) of the upper grain, `load` the force (N) or moment (N m) on the
 bond that does work on it, whichever load it is.
 """
-import csv
 import os
 import re
 
 import numpy as np
 
-from .run import Trouble
+from . import tables
+from .tables import Trouble
 
 FAILED_BELOW = 0.01  # of the peak
 STIFFNESS = (0.10, 0.40)  # of the peak
@@ -19,25 +19,10 @@ STIFFNESS = (0.10, 0.40)  # of the peak
 
 def read_table(path):
     """Columns by name; a last line that is still being written is left out."""
-    try:
-        with open(path, newline="", errors="replace") as f:
-            text = f.read()
-    except OSError as e:
-        raise Trouble(f"{path}: {e.strerror}; run the pair again") from None
-    lines = text.splitlines()
-    if not text.endswith("\n") and lines:
-        lines.pop()
-    rows = list(csv.reader(lines))
-    if len(rows) < 2:
+    table = tables.read(path)
+    if table.empty:
         raise Trouble(f"{path}: no rows; let the run get past its setup")
-    columns = {}
-    for i, name in enumerate(rows[0]):
-        try:
-            values = [r[i] for r in rows[1:]]
-            columns[name] = np.array(values, dtype=float) if name != "mode" else values
-        except (ValueError, IndexError):
-            raise Trouble(f"{path}: column {name} is not a number in every row; delete the file and run again") from None
-    return columns
+    return {name: table[name].tolist() if name == "mode" else table[name].to_numpy() for name in table}
 
 
 def measure(time, way, load, window):

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from matplotlib.lines import Line2D
 
-from .figures import plt, save
+from .figures import plt, styled
 from .table_figure import HAM_COLOUR, MODES, SHAPES
 
 MODULUS = 28.79e9  # Pa, along the axis of the elasticity of examples/pair_table
@@ -40,10 +40,7 @@ def wanted(rows):
     return len({found[0] for found in (law(r) for r, _ in rows) if found}) > 1
 
 
-def draw(path, rows):
-    save(figure(rows), path)
-
-
+@styled
 def figure(rows):
     """rows: (run, results) as `table.write` gives them; those without a cohesive interface are left out."""
     rows = [(r, res, law(r)) for r, res in rows if law(r)]

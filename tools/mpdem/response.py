@@ -7,38 +7,23 @@ import csv
 import glob
 import os
 import re
-from typing import Any, Dict, Iterator, List, Set, Tuple
+from typing import Any, Dict, List, Set, Tuple
 
 import numpy as np
 
+from . import tables
 from .loading import read_table
-from .run import Trouble
+from .tables import Trouble
 
 Table = Dict[str, Any]
 
 
-def pieces(folder: str, name: str) -> Iterator[Tuple[int, Table]]:
-    """The tables of a loading that went on from checkpoints, and the step at which each begins; the first one has step 0."""
-    paths = {0: os.path.join(folder, f"{name}.csv")}
-    for path in glob.glob(os.path.join(folder, f"{name}_from_*.csv")):
-        paths[int(path.rsplit("_", 1)[1][:-4])] = path
-    for begin in sorted(paths):
-        try:
-            yield begin, read_table(paths[begin])
-        except Trouble:
-            if not begin:
-                raise  # a later one may have no rows yet
-
-
 def whole(folder: str, name: str) -> Table:
-    """All rows of `name`.csv and of name_from_STEP.csv. What was written after a checkpoint from which the loading went on is left out; and, of
-    curve.csv, the first row after one, which is no mean of all its steps."""
-    found: List[Table] = []
-    for begin, table in pieces(folder, name):
-        found = [{k: np.asarray(v)[old["step"] <= begin] for k, v in old.items()} for old in found]
-        first = 1 if begin and name == "curve" else 0
-        found.append({k: np.asarray(v)[first:] for k, v in table.items()})
-    return {k: np.concatenate([t[k] for t in found if k in t]) for k in found[0]}
+    """All rows of a table of a loading that may have gone on from checkpoints, by column."""
+    table = tables.whole(folder, name)
+    if table.empty:
+        raise Trouble(f"{os.path.join(folder, name)}.csv: no rows; let the run get past its setup")
+    return {c: table[c].to_numpy() for c in table}
 
 
 def response(curve: Table) -> Table:
@@ -67,18 +52,19 @@ def response(curve: Table) -> Table:
 
 
 def dumps(folder: str, name: str) -> Dict[int, np.ndarray]:
-    """Rows of the dumps NAME.STEP.txt by step."""
+    """Rows of the dumps NAME.STEP.txt by step; one that is cut short is left out."""
     found = {}
-    for path in glob.glob(os.path.join(folder, f"{name}.*.txt")):
-        with open(path) as f:
-            head = [f.readline() for _ in range(9)]
-            if head[8]:
-                found[int(head[1])] = np.array(f.read().split(), dtype=float).reshape(-1, len(head[8].split()) - 2)
-    return dict(sorted(found.items()))
+    for path in tables.dump_paths(folder).get(name, {}).values():
+        try:
+            step, table = tables.read_dump(path)
+        except Trouble:
+            continue
+        found[step] = table.to_numpy()
+    return found
 
 
-def fragments(ids: np.ndarray, joined: np.ndarray) -> np.ndarray:
-    """Numbers of grains of the pieces that are left, largest first. joined: pairs of IDs of grains that cement holds together."""
+def fragment_numbers(ids: np.ndarray, joined: np.ndarray) -> np.ndarray:
+    """Number of the piece of each grain, 0 for the largest one. joined: pairs of IDs of grains that cement holds together."""
     root = {int(i): int(i) for i in ids}
 
     def find(i: int) -> int:
@@ -89,7 +75,15 @@ def fragments(ids: np.ndarray, joined: np.ndarray) -> np.ndarray:
 
     for a, b in joined.astype(int):
         root[find(a)] = find(b)
-    return np.sort(np.unique([find(i) for i in root], return_counts=True)[1])[::-1]
+    _, first, number, count = np.unique([find(i) for i in root], return_index=True, return_inverse=True, return_counts=True)
+    rank = np.empty(len(count), dtype=int)
+    rank[np.lexsort((first, -count))] = np.arange(len(count))
+    return rank[number]
+
+
+def fragments(ids: np.ndarray, joined: np.ndarray) -> np.ndarray:
+    """Numbers of grains of the pieces that are left, largest first."""
+    return np.bincount(fragment_numbers(ids, joined))
 
 
 def force_inside(low: float, high: float, z: Dict[int, float], pairs: np.ndarray, bonds: np.ndarray) -> float:

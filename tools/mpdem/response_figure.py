@@ -3,7 +3,7 @@
 """Stress, volume strain, broken bonds and contacts of a specimen over its axial strain."""
 import numpy as np
 
-from .figures import plt, save
+from .figures import plt, styled
 
 COLOURS = ("#1b2a49", "#c8553d")
 MODES = (("internal", "inside the cement", "#1f6fb4"), ("mixed", "mixed", "#8a5fa8"), ("debonding", "debonding from a bead", "#c1272d"))
@@ -38,7 +38,8 @@ def residual(ax, items):
     inset.grid(True, lw=0.3, color="0.9")
 
 
-def response(path, items):
+@styled
+def response(items):
     """items: (load, response, fabric); the first one is drawn with all that is known, another one beside it."""
     first = items[0][0]
     fig, axes = plt.subplots(2, 2, figsize=(7.48, 5.0), sharex="col")
@@ -93,4 +94,4 @@ def response(path, items):
     for ax in axes[1]:
         ax.set_xlabel("axial strain (%)")
     fig.tight_layout()
-    save(fig, path)
+    return fig

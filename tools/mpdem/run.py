@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 """Reading what a run leaves: the table of the bonds and the dumps of the points."""
-import csv
 import glob
 import os
 import sys
 
 import numpy as np
+
+from . import tables
+from .tables import Trouble
 
 # The columns used; the table holds more.
 COLUMNS = (
@@ -34,10 +36,6 @@ COLUMNS = (
 MODES = ("debonding", "internal", "mixed", "intact")
 DUMP_COLUMNS = ("x", "y", "z", "c_damage", "c_failed")
 EXTRA_COLUMNS = ("id", "c_bond", "c_attached", "c_grain")  # read if there
-
-
-class Trouble(Exception):
-    """One line for the user: the file and the cure."""
 
 
 def end_with_message(program, main):
@@ -126,39 +124,25 @@ def find_bond_file(run_dir, name):
 
 def read_bonds(path):
     """All bonds of a table, by number. A last line that is still being written is left out."""
-    with open(path, newline="", errors="replace") as f:
-        text = f.read().replace("\0", "?")
-    if not text.strip():
-        raise Trouble(f"{path}: empty; let the run get past its setup, or write 'csv' of fix mpm/couple again")
-    lines = text.splitlines()
-    if not text.endswith("\n"):
-        lines.pop()  # what follows the last line end is incomplete
-    reader = csv.reader(lines)
-    header = [h.strip() for h in next(reader, [])]
-    lacking = [c for c in COLUMNS if c not in header]
+    return bonds_of(path, tables.read(path))
+
+
+def bonds_of(path, table):
+    """All bonds of a table that was read from `path`."""
+    lacking = [c for c in (*COLUMNS, "mode") if c not in table]
     if lacking:
-        raise Trouble(f"{path}: no column {', '.join(lacking)}; take a table written by " "'fix mpm/couple ... csv' of this version, with its header line")
-    if "mode" not in header:
-        raise Trouble(f"{path}: no column mode; take a table written by 'fix mpm/couple ... csv' of this version, with its header line")
-    at, mode = [header.index(c) for c in COLUMNS], header.index("mode")
-    rows, modes = [], []
-    for row in reader:
-        try:
-            rows.append([float(row[i]) for i in at])
-            modes.append(row[mode].strip())
-        except (ValueError, IndexError):
-            raise Trouble(f"{path}: line {reader.line_num} is not a row of {len(header)} numbers; " "delete that line or run again") from None
-    if not rows:
+        raise Trouble(f"{path}: no column {', '.join(lacking)}; take a table written by 'fix mpm/couple ... csv' of this version, with its header line")
+    if table.empty:
         raise Trouble(f"{path}: a header without rows; let the run get past its setup, then read again")
-    rows = np.array(rows)
+    rows = table[list(COLUMNS)].to_numpy(dtype=float)
     bad = ~np.isfinite(rows[:, [COLUMNS.index("gap"), COLUMNS.index("tension")]]).all(axis=1)
     if bad.any():
-        raise Trouble(f"{path}: gap or tension is not finite from step {rows[bad][0, 0]:.0f}; " "the run is unstable, reduce its time step")
-    numbers = rows[:, COLUMNS.index("bond")]
-    wrong = sorted(set(modes) - set(MODES))
+        raise Trouble(f"{path}: gap or tension is not finite from step {rows[bad][0, 0]:.0f}; the run is unstable, reduce its time step")
+    wrong = sorted(set(table["mode"]) - set(MODES))
     if wrong:
         raise Trouble(f"{path}: mode '{wrong[0]}' is none of {', '.join(MODES)}; delete that line or run again")
-    return [Bond(path, int(n), rows[numbers == n], [modes[i] for i in np.flatnonzero(numbers == n)]) for n in np.unique(numbers)]
+    of_bond = table["bond"].to_numpy()
+    return [Bond(path, int(n), rows[of_bond == n], list(table["mode"][of_bond == n])) for n in np.unique(of_bond)]
 
 
 def choose(bonds, number):
@@ -168,16 +152,6 @@ def choose(bonds, number):
         if b.number == number:
             return b
     raise Trouble(f"{bonds[0].path}: no bond {number}; choose --which from {bonds[0].number} to {bonds[-1].number}")
-
-
-def dump_step(path):
-    with open(path, errors="replace") as f:
-        if f.readline().strip() == "ITEM: TIMESTEP":
-            try:
-                return int(f.readline())
-            except ValueError:
-                pass
-    raise Trouble(f"{path}: not a LIGGGHTS text dump; name the files of 'dump custom' with --points")
 
 
 def matches(run_dir, name):
@@ -194,44 +168,34 @@ def find_dumps(run_dir, names, bond):
     shown = os.path.join(run_dir, names[0])
     dumps = {}
     for path in sorted({p for name in names for p in matches(run_dir, name)}):
-        step = dump_step(path)
+        step = tables.dump_step(path)
         if step in dumps:
             raise Trouble(f"{dumps[step]} and {path}: both are of step {step}; name the dumps of one run with --points")
         dumps[step] = path
     if not dumps:
-        raise Trouble(f"{shown}: no such dumps, so no damage_cut.png; name them with --points, " "or leave the cut out with '--points none'")
-    last = bond.step[-1]
-    kept = {s: dumps[s] for s in sorted(dumps) if bond.step[0] <= s <= last}
+        raise Trouble(f"{shown}: no such dumps, so no damage_cut.png; name them with --points, or leave the cut out with '--points none'")
+    return dumps_of(shown, dumps, bond)
+
+
+def dumps_of(shown, dumps, bond):
+    """Those of the dumps, paths by step, that lie in the table of the bond."""
+    kept = {s: dumps[s] for s in sorted(dumps) if bond.step[0] <= s <= bond.step[-1]}
     if not kept:
-        raise Trouble(f"{shown}: no dump between the steps {bond.step[0]:.0f} and {last:.0f} of {bond.path}; " "name the dumps of the same run with --points")
+        raise Trouble(
+            f"{shown}: no dump between the steps {bond.step[0]:.0f} and {bond.step[-1]:.0f} of {bond.path}; name the dumps of the same run with --points"
+        )
     return kept
 
 
 def read_dump(path):
     """Columns of the first snapshot of a text dump, by name."""
-    step = dump_step(path)
-    count = names = None
-    with open(path, errors="replace") as f:
-        for line in f:
-            if line.startswith("ITEM: NUMBER OF ATOMS"):
-                text = next(f, "").strip()
-                count = int(text) if text.isdigit() else 0
-            elif line.startswith("ITEM: ATOMS"):
-                names = line.split()[2:]
-                break
-        lacking = [c for c in DUMP_COLUMNS if c not in (names or [])]
-        if lacking:
-            raise Trouble(f"{path}: no column {', '.join(lacking)}; dump x y z and " "'compute mpm/atom' with the ID damage and the ID failed")
-        wanted = [c for c in DUMP_COLUMNS + EXTRA_COLUMNS if c in names]
-        try:
-            data = np.loadtxt(f, usecols=[names.index(c) for c in wanted], max_rows=count, ndmin=2) if count else []
-        except (ValueError, IndexError):
-            data = []
-    if not count or len(data) != count:
-        raise Trouble(f"{path}: cut short, {count or 'no'} points announced; delete this dump or run again")
-    points = dict(zip(wanted, data.T))
-    points["step"] = step
-    return points
+    step, table = tables.read_dump(path)
+    lacking = [c for c in DUMP_COLUMNS if c not in table]
+    if lacking:
+        raise Trouble(f"{path}: no column {', '.join(lacking)}; dump x y z and 'compute mpm/atom' with the ID damage and the ID failed")
+    if table.empty:
+        raise Trouble(f"{path}: cut short, no points announced; delete this dump or run again")
+    return {"step": step, **{c: table[c].to_numpy() for c in DUMP_COLUMNS + EXTRA_COLUMNS if c in table}}
 
 
 def spacing(points):

@@ -91,7 +91,7 @@ class Stage:
     """A run of one of the scripts."""
 
     resumes = False  # it can go on from what it left when it was stopped
-    includes = tuple(os.path.join(FOLDER, name) for name in sorted(os.listdir(FOLDER)) if name.endswith(".in"))
+    includes = tuple(sorted(glob.glob(os.path.join(glob.escape(FOLDER), "*.in"))))
 
     def __init__(self, label, script, needs, cost, extra, own):
         self.label, self.script, self.needs, self.cost = label, os.path.join(FOLDER, script), needs, cost
@@ -295,26 +295,15 @@ class Springs:
 
     def energies(self):
         """Steps and the energy at each, J."""
-        radius = {i: b[3] for i, b in next(iter(beads_at(self.folder, 1).values()), {}).items()}
+        radius = {i: b[3] for i, b in next(iter(beads_at(self.folder).values()), {}).items()}
         found = {}
-        for step, rows in local_tables(self.folder, "pairs").items():
+        for step, rows in response.dumps(self.folder, "pairs").items():
             a, b = (np.array([radius[int(i)] for i in rows[:, n]]) for n in (0, 1))
             found[step] = self.of(a * b / (a + b), rows[:, 5], np.linalg.norm(rows[:, 2:5], axis=1)).sum()
-        for step, rows in local_tables(self.folder, "walls").items():
+        for step, rows in response.dumps(self.folder, "walls").items():
             found[step] = found.get(step, 0.0) + self.of(np.array([radius[int(i)] for i in rows[:, 0]]), rows[:, 1]).sum()
         steps = sorted(found)
         return np.array(steps, dtype=float), np.array([found[s] for s in steps])
-
-
-def local_tables(folder, name):
-    """Rows of the dumps of contacts, by step."""
-    found = {}
-    for path in glob.glob(os.path.join(folder, f"{name}.*.txt")):
-        with open(path) as f:
-            head = [next(f) for _ in range(9)]
-            columns = len(head[8].split()) - 2
-            found[int(head[1])] = np.array(f.read().split(), dtype=float).reshape(-1, columns)
-    return found
 
 
 def slope(x, y):
@@ -455,15 +444,9 @@ def bonds_at(folder):
     return {int(s): {k: v[table["step"] == s] for k, v in table.items()} for s in steps}
 
 
-def beads_at(folder, most=None):
-    """Positions and radii of the beads by step, by ID; of some of the steps."""
-    found = {}
-    for path in glob.glob(os.path.join(folder, "beads.*.txt"))[:most]:
-        with open(path) as f:
-            head = [next(f) for _ in range(9)]
-            rows = np.loadtxt(f, ndmin=2)
-        found[int(head[1])] = {int(r[0]): r[1:5] for r in rows}
-    return found
+def beads_at(folder):
+    """Positions and radii of the beads by step, by ID."""
+    return {step: {int(r[0]): r[1:5] for r in rows} for step, rows in response.dumps(folder, "beads").items()}
 
 
 def write(path, runs, out, needs_rows=False):

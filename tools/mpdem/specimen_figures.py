@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.lines import Line2D
 
-from .figures import plt, save
+from .figures import plt, styled, view
 from .specimen import before_failure
 
 PALETTE = ("#1b2a49", "#2a8f7b", "#c8553d", "#8a5fa8", "#b8860b", "#4c78a8")
@@ -33,7 +33,8 @@ def groups(items, reference):
     return found + ([(f"triaxial compression, {100 * of_all:.3g} % calcite", confined)] if any(i[0].pressure for i in confined) else [])
 
 
-def curves(path, items, reference):
+@styled
+def curves(items, reference):
     """items: (load, results, curve). Above stress, below bonds broken, a column a kind of test."""
     kinds = [g for g in groups(items, reference) if g[1]]
     fig, axes = plt.subplots(2, len(kinds), figsize=(2.75 * len(kinds) + 0.2, 4.0), squeeze=False, sharex="col", gridspec_kw={"height_ratios": (2.2, 1)})
@@ -53,10 +54,11 @@ def curves(path, items, reference):
         upper.set_ylabel("axial stress less that on the sides (MPa)" if title.startswith("triaxial") else "axial stress (MPa)")
         lower.set_ylabel("bonds broken")
     fig.tight_layout()
-    save(fig, path)
+    return fig
 
 
-def pressures(path, items):
+@styled
+def pressures(items):
     """The pressure of the sides, a mean of each row of the curve, over the strain from where the plate moves; dashed: what was asked for."""
     fig, ax = plt.subplots(figsize=(4.6, 2.7))
     for colour, (load, r, c) in zip(PALETTE, items):
@@ -71,10 +73,11 @@ def pressures(path, items):
     ax.legend(frameon=False, loc="lower right")
     ax.grid(True, lw=0.3, color="0.9")
     fig.tight_layout()
-    save(fig, path)
+    return fig
 
 
-def awake(path, items):
+@styled
+def awake(items):
     """Resolved bonds over time, and the kinetic share of the energy."""
     fig, axes = plt.subplots(1, 2, figsize=(7.48, 2.9))
     for n, (load, r, c) in enumerate(items):
@@ -97,10 +100,11 @@ def awake(path, items):
     axes[0].set_ylim(0.0, None)
     fig.tight_layout(rect=(0, 0.16 + 0.045 * (len(items) // 4), 1, 1))
     fig.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncol=3, frameon=False, fontsize=6)
-    save(fig, path)
+    return fig
 
 
-def energy(path, load, c):
+@styled
+def energy(load, c):
     """Where the work of walls and grips went."""
     t = c.table
     parts = (
@@ -126,10 +130,11 @@ def energy(path, load, c):
     ax.set_title(title_of(load), loc="left")
     ax.legend(frameon=False, fontsize=6.5, loc="upper left")
     fig.tight_layout()
-    save(fig, path)
+    return fig
 
 
-def strengths(path, items, reference, line):
+@styled
+def strengths(items, reference, line):
     """Stiffness and strengths over content; circles of Mohr of one content."""
     fig, axes = plt.subplots(1, 3, figsize=(7.48, 2.7), gridspec_kw={"width_ratios": (1, 1, 1.5)})
     hollow = False
@@ -159,7 +164,7 @@ def strengths(path, items, reference, line):
     )
     axes[2].set_title(next((name_of(load).split(",")[0] for load, _, _ in items if load.content == reference), ""), loc="left")
     fig.tight_layout()
-    save(fig, path)
+    return fig
 
 
 def circles(ax, pairs, tensions, line):
@@ -206,18 +211,15 @@ def stages(c, steps):
     return found
 
 
-def bonds_in_space(path, load, c, bonds, beads):
+@styled
+def bonds_in_space(load, c, bonds, beads):
     """Four stages: bonds as bars between the centres of their beads, far ones paler, beads as outlines."""
     shown = stages(c, [s for s in bonds if s in beads])
     fig, axes = plt.subplots(1, len(shown), figsize=(7.48, 3.1))
-    turn, tilt = np.radians(25.0), np.radians(12.0)
-    right = np.array([np.cos(turn), np.sin(turn), 0.0])
-    away = np.array([-np.sin(turn) * np.cos(tilt), np.cos(turn) * np.cos(tilt), -np.sin(tilt)])
-    up = np.cross(right, away)
     seen = set()
     for ax, (title, step) in zip(axes, shown):
         row, at = bonds[step], beads[step]
-        place = {i: 1e3 * b[:3] @ np.array([right, up, away]).T for i, b in at.items()}
+        place = {i: view(1e3 * b[:3]) for i, b in at.items()}
         xy = np.array([p[:2] for p in place.values()])
         wide = np.array([2e3 * b[3] for b in at.values()])
         ax.add_collection(
@@ -247,10 +249,11 @@ def bonds_in_space(path, load, c, bonds, beads):
     fig.suptitle(title_of(load), fontsize=8, x=0.02, ha="left")
     fig.tight_layout(rect=(0, 0.07, 1, 1))
     fig.legend(handles=handles, loc="lower center", ncol=len(handles), frameon=False)
-    save(fig, path)
+    return fig
 
 
-def rose(path, items):
+@styled
+def rose(items):
     """items: (load, bonds of the first step, bonds of the last step, beads of the first). Directions of broken bonds against those of all."""
     across = min(len(items), 5)
     down = -(-len(items) // across)
@@ -281,4 +284,4 @@ def rose(path, items):
         ax.set_title(f"{title_of(load).split(',')[0]}\n{name_of(load)}\n{int(broken.sum())} of {len(broken)} broken", fontsize=5.5)
     fig.suptitle("share of the bonds of each direction that broke (%)\n0°: along the axis of the load; dashed: of all bonds", fontsize=6.5, y=0.02, va="bottom")
     fig.tight_layout(rect=(0, 0.4 / fig.get_figheight(), 1, 1))
-    save(fig, path)
+    return fig

@@ -48,7 +48,7 @@ def measure(bond, window):
     nan = float("nan")
     broken = np.flatnonzero(bond.broken)
     row = broken[0] if broken.size else None
-    shares = (bond.share_grain1[-1], bond.share_grain2[-1], 1.0 - bond.share_grain1[-1] - bond.share_grain2[-1])
+    shares = (bond.share_grain1[-1], bond.share_grain2[-1], max(0.0, 1.0 - bond.share_grain1[-1] - bond.share_grain2[-1]))
     r = Result(
         sense,
         peak,

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from . import run as files
-from .figures import plt, save
+from .figures import plt, styled
 
 SHAPES = {
     "flat": ("flat ring", "#1b2a49"),
@@ -121,7 +121,8 @@ def read(path):
         raise files.Trouble(f"{path}: not a table.csv of pair_table.py ({e}); name one") from None
 
 
-def draw(path, rows):
+@styled
+def draw(rows):
     """rows: (run, results). Force over the cross-section of a bead, moment over that times its radius."""
     loads = list(dict.fromkeys(r.load for r, _ in rows))
     settings = list(dict.fromkeys(text_of(r) for r, _ in rows))
@@ -151,7 +152,7 @@ def draw(path, rows):
         else dict(loc="lower left", bbox_to_anchor=(0.02, 0.005 + line * (keys + 0.5) / fig.get_figheight()))
     )
     fig.legend(handles=kinds, frameon=False, **place)
-    save(fig, path)
+    return fig
 
 
 def panel(ax, load, rows, settings):

@@ -46,7 +46,7 @@ TEST(FarField, IsTheComplianceOfTheModes) {
   EXPECT_LT((scaled(found) - scaled(expected)).norm(), 4e-3 * scaled(expected).norm());
 }
 
-// The modes take up translations exactly, and rotations where they can be as the sine of an angle.
+// The modes carry translations exactly, and rotations where they can be as the sine of an angle.
 TEST(FarField, ModesMoveAsRigidBodies) {
   for (double inner : {0.0, 0.2}) {
     const PatchCompliance patch(SurfaceModes(inner, 0.4, 5, 2), kGlass, kRadius);
