@@ -3,9 +3,8 @@
 """Reference for a flat bond between two elastic spheres whose interfaces soften: force over displacement in tension.
 
 Cement and spheres are those of elastic_bond.py.  Cohesive springs of the law of doc/interface_cohesive.md join them, one at each node
-of the interface.  Both interfaces soften alike, so half of the bond is solved.  The analysis is sequentially linear (Rots, Engineering
-Fracture Mechanics 75 (2008) 590): the load is such that one spring reaches its strength, whose damage is then raised a little.  So the
-path is followed where displacement and force go back, too.
+of the interface, with the area of its shape function.  Both interfaces soften alike, so half of the bond is solved.  The displacement
+of the spheres rises in steps; in each of them the damage of the springs is found by iteration of their secants.
 
     elastic_cohesive.py                 the ring of doc/study_elastic_grains.md, 20 MPa and 10.6 J/m2
     elastic_cohesive.py --rigid         between rigid spheres
@@ -22,11 +21,9 @@ from elastic_sphere import isotropic
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import splu
 
-LEVELS = 60  # of the damage of a spring
-
 
 def flexibility(R, inner, outer, cement, grain, ns, nt):
-    """Flexibility of the upper interface in (r, z) of its nodes, lumped areas, directions of the normal, and the motion of the sphere."""
+    """Flexibility of the upper interface in (r, z) of its nodes, their areas, normals of the sphere outwards, motion of the sphere by a unit of both."""
     body = flat_body(R, 0.0, inner, outer, ns, nt, 2.5)
     r, z = body.r.ravel(), body.z.ravel()
     elements = element_nodes(body.r.shape)
@@ -41,59 +38,42 @@ def flexibility(R, inner, outer, cement, grain, ns, nt):
     free = np.setdiff1d(np.arange(k * r.size), held)
     unit = np.zeros((k * r.size, surface.size))
     unit[surface, np.arange(surface.size)] = 1.0
-    of_cement = splu(K[free][:, free].tocsc()).solve(unit[free])
-    whole = np.zeros_like(unit)
-    whole[free] = of_cement
+    of_cement = np.zeros_like(unit)
+    of_cement[free] = splu(K[free][:, free].tocsc()).solve(unit[free])
     mass, C, _, _ = of_patch("tension", patch, r)
     of_sphere = np.linalg.solve(mass, np.linalg.solve(mass, C).T)
-    area = mass.sum(axis=1)
     motion = np.stack(rigid("tension", r[patch.nodes], z[patch.nodes], 0.5), axis=-1).ravel()
-    normal = np.stack([-r[patch.nodes], R - z[patch.nodes]], axis=-1) / R  # out of the sphere, into the cement: minus this
-    return whole[surface] + of_sphere, area, normal, motion
+    normal = np.stack([-r[patch.nodes], R - z[patch.nodes]], axis=-1) / R
+    return of_cement[surface] + of_sphere, mass.sum(axis=1)[1::2], normal, motion
 
 
-def path(R=5e-3, inner=1e-3, outer=2e-3, cement=None, grain=(70e9, 0.22), tn=20e6, Gn=10.6, kn=1.44e17, kt=None, ns=24, nt=8):
-    """Rows of displacement, force and largest damage; tn and Gn in both modes."""
-    cement = isotropic(60e9, 0.25) if cement is None else cement
-    kt = kn / 3 if kt is None else kt
-    C, area, normal, motion = flexibility(R, inner, outer, cement, grain, ns, nt)
-    n = normal.shape[0]
+def softening(distances, R=5e-3, inner=1e-3, outer=2e-3, cement=None, grain=(70e9, 0.22), strength=20e6, energy=10.6, kn=7.2e16, ns=12):
+    """Force for each of the rising displacements; strength and energy are those of both modes."""
+    kt = kn / 3
+    C, area, normal, motion = flexibility(R, inner, outer, isotropic(60e9, 0.25) if cement is None else cement, grain, ns, max(3, ns // 3))
+    n = len(normal)
     along = np.stack([normal[:, 1], -normal[:, 0]], axis=-1)
-    area_of = area[1::2]
-    nn, tt = (np.einsum("ij,ik->ijk", v, v) / area_of[:, None, None] for v in (normal, along))
-    at = np.arange(n)
-    onset = tn / kn
-    d = np.zeros(n)
-    rows = [(0.0, 0.0, 0.0)]
-    while True:
-        soft = d < 1.0
-        left = np.where(soft, 1.0 - d, 1e-9)
-        springs = (nn / kn + tt / kt) / left[:, None, None]
-        A = C.copy().reshape(n, 2, n, 2)
-        A[at, :, at, :] += springs
-        f = np.linalg.solve(A.reshape(2 * n, 2 * n), motion).reshape(n, 2)
-        total = 2 * motion @ f.ravel()
-        t_n, t_t = np.einsum("ij,ij->i", f, normal) / area_of, np.einsum("ij,ij->i", f, along) / area_of
-        opening, slip = np.maximum(t_n, 0) / (kn * left), t_t / (kt * left)
-        ratio = kt / kn
-        size = np.sqrt(opening**2 + ratio * slip**2)
-        B = np.where(size > 0, ratio * slip**2 / np.maximum(size, 1e-300) ** 2, 0.0)
-        first = 1.0 / (kn * np.sqrt((1 - B) / tn**2 + ratio * B / tn**2))
-        end = 2 * Gn / (kn * first)
-        now = first * end / (end - d * (end - first))  # opening at which the damage grows
-        scale = np.where(soft & (size > 0), now / np.maximum(size, 1e-300), math.inf)
-        i = int(np.argmin(scale))
-        if not math.isfinite(scale[i]) or total * scale[i] < 0.02 * max(row[1] for row in rows) and len(rows) > 10:
-            return np.array(rows)
-        rows.append((scale[i], total * scale[i], d.max()))
-        # equal steps of the traction that a spring carries at its onset of growth
-        carried = now[i] * (1 - d[i]) / onset
-        target = carried - 1.0 / LEVELS * (first[i] / onset)
-        if target <= 0:
-            d[i] = 1.0
-        else:
-            x = end[i] - target * onset * (end[i] - first[i]) / first[i]
-            d[i] = max(d[i], 1 - target * onset / x)
+    nn, tt = (np.einsum("ij,ik->ijk", v, v) / area[:, None, None] for v in (normal, along))
+    at, d, forces = np.arange(n), np.zeros(n), []
+    for distance in distances:
+        for _ in range(1000):
+            left = np.where(d < 1, 1 - d, 1e-9)
+            A = C.copy().reshape(n, 2, n, 2)
+            A[at, :, at, :] += (nn / kn + tt / kt) / left[:, None, None]
+            f = np.linalg.solve(A.reshape(2 * n, 2 * n), motion * distance).reshape(n, 2)
+            opening = np.maximum(np.einsum("ij,ij->i", f, normal), 0) / (area * kn * left)
+            shear = kt / kn * (np.einsum("ij,ij->i", f, along) / (area * kt * left)) ** 2
+            size = np.sqrt(opening**2 + shear)
+            share = np.where(size > 0, shear / np.maximum(size, 1e-300) ** 2, 0.0)
+            onset = strength / (kn * np.sqrt(1 - share + share * kt / kn))
+            end = 2 * energy / (kn * onset)
+            grown = np.where(size > onset, end * (size - onset) / (np.maximum(size, 1e-300) * (end - onset)), 0.0)
+            grown = np.clip(grown, d, 1.0)
+            change, d = abs(grown - d).max(), grown
+            if change < 1e-7:
+                break
+        forces.append(2 * motion @ f.ravel())
+    return np.array(forces)
 
 
 def main():
@@ -101,12 +81,14 @@ def main():
     parser.add_argument("--rigid", action="store_true", help="between rigid spheres")
     parser.add_argument("--strength", type=float, default=20e6, help="[Pa], default %(default)g")
     parser.add_argument("--energy", type=float, default=10.6, help="[J/m2], default %(default)g")
-    parser.add_argument("--elements", type=int, default=24, help="across the width, default %(default)s")
+    parser.add_argument("--elements", type=int, default=12, help="across the width, default %(default)s")
+    parser.add_argument("--end", type=float, default=1.6e-6, help="displacement at the end [m], default %(default)g")
     args = parser.parse_args()
-    rows = path(grain=(math.inf, 0.0) if args.rigid else (70e9, 0.22), tn=args.strength, Gn=args.energy, ns=args.elements, nt=max(3, args.elements // 3))
-    peak = int(np.argmax(rows[:, 1]))
-    print(f"largest force {rows[peak, 1]:.5g} N at {rows[peak, 0]:.5g} m, largest displacement {rows[:, 0].max():.5g} m; after it at {rows[-1, 0]:.5g} m")
-    print("first spring at %.5g N, %.5g m" % (rows[1, 1], rows[1, 0]))
+    distances = np.linspace(0, args.end, 81)[1:]
+    grain = (math.inf, 0.0) if args.rigid else (70e9, 0.22)
+    forces = softening(distances, grain=grain, strength=args.strength, energy=args.energy, ns=args.elements)
+    peak = int(np.argmax(forces))
+    print(f"largest force {forces[peak]:.5g} N at {distances[peak]:.4g} m, at the end {forces[-1]:.5g} N")
     return 0
 
 

@@ -107,8 +107,9 @@ struct ElasticEnds {
     Eigen::VectorXd softened_from;           // s before links softened, until it is found anew
   };
   std::array<Side, 2> side;
-  std::vector<TractionSecant> secants;  // of links and soft springs, for each block; empty: constant, or not known
-  bool stiffness_changed = true;        // links debonded since M was found, or it is not known
+  std::vector<TractionSecant> secants;        // of links and soft springs, for each block; empty: constant, or not known
+  std::vector<std::array<int, kLanes>> tags;  // IDs of the points of these links, for a traction law with a state
+  bool stiffness_changed = true;              // links debonded since M was found, or it is not known
   bool some_debonded = false;  // links debonded or softened in this step, of the bond on any rank, or of another bond on one of its grains
   bool coupled = false;        // one of the grains has other bonds
   double released = 0.0;       // energy, in this step

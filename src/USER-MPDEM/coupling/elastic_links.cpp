@@ -4,6 +4,7 @@
 // Links to elastic grains, see elastic_end.h.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "../mpm/lane_by_lane.h"
 #include "../numerics/cross_matrix.h"
@@ -31,8 +32,15 @@ Eigen::VectorXd in_axes(const Mat3<double>& axes, const vd* sums, int size) {
 
 }  // namespace
 
-void PenaltyLinks::lay_out_elastic(const BondRecord& record) {
+void PenaltyLinks::lay_out_elastic(const PointStore& points, const BondRecord& record) {
   elastic_.emplace();
+  if (p_.law->fields() > 0) elastic_->tags.resize(blocks_.size());
+  for (std::size_t i = 0; i < elastic_->tags.size(); ++i)
+    for (int l = 0; l < kLanes; ++l)
+      if (const int link = blocks_[i].link[l]; link >= 0) {
+        const int slot = points.links[static_cast<std::size_t>(link)].slot;
+        elastic_->tags[i][static_cast<std::size_t>(l)] = points.tags[static_cast<std::size_t>(slot / kLanes)][slot % kLanes];
+      }
   std::size_t first = 0;
   for (int s = 0; s < 2; ++s) {
     ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(s)];
@@ -322,6 +330,27 @@ void PenaltyLinks::continue_from(const PenaltyLinks& before) {
     to.amplitudes = from.amplitudes;
     to.loads = from.loads;
   }
+  if (before.elastic_->secants.empty()) return;
+  using Key = std::pair<int, int>;  // ID of the point, and side
+  const auto each_link = [](const PenaltyLinks& links, const auto& f) {
+    for (std::size_t i = 0; i < links.blocks_.size(); ++i)
+      for (int l = 0; l < kLanes; ++l)
+        if (links.blocks_[i].link[l] >= 0) f(Key(links.elastic_->tags[i][static_cast<std::size_t>(l)], links.blocks_[i].side), i, l);
+  };
+  std::vector<std::pair<Key, std::array<double, 2>>> known;
+  each_link(before, [&](const Key& key, std::size_t i, int l) {
+    const TractionSecant& k = before.elastic_->secants[i];
+    known.push_back({key, {k.kn[l], k.kt[l]}});
+  });
+  std::sort(known.begin(), known.end());
+  std::vector<TractionSecant> secants(blocks_.size(), TractionSecant{vd{}, vd{}});
+  bool all = true;
+  each_link(*this, [&](const Key& key, std::size_t i, int l) {
+    const auto found = std::lower_bound(known.begin(), known.end(), key, [](const auto& k, const Key& of) { return k.first < of; });
+    if (found == known.end() || found->first != key) all = false;
+    else secants[i].kn[l] = found->second[0], secants[i].kt[l] = found->second[1];
+  });
+  if (all) elastic_->secants = std::move(secants);
 }
 
 std::array<Eigen::VectorXd, 2> PenaltyLinks::small_modal_loads(const std::vector<Secant>& secants, const BondEnd* ends, const double* x,

@@ -94,7 +94,7 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
       if (blocks_[n].link[l] >= 0) layers[kLanes * n + l] = points.meta[points.links[blocks_[n].link[l]].slot / kLanes].layer;
   take_states(points);
   find_strength(points, record);
-  if (record.grain_E[0] + record.grain_E[1] > 0.0) lay_out_elastic(record);
+  if (record.grain_E[0] + record.grain_E[1] > 0.0) lay_out_elastic(points, record);
 }
 
 // Draws the factors at the foot points.

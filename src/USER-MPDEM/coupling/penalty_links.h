@@ -174,7 +174,7 @@ class PenaltyLinks {
   void note_debonding();  // of another bond on one of the grains
   // Adds the forces for these loads. Returns the energy that the modes release with links that debond in this step.
   double add_elastic_force(Grid& grid, BondEnd* ends);
-  // Takes over the motion of the surfaces from the links before a new layout.
+  // Takes over the motion of the surfaces, and the secants, from the links before a new layout.
   void continue_from(const PenaltyLinks& before);
   // For small motions as in add_small_force(): loads of the modes of both sides, and the forces due to their amplitudes.
   std::array<Eigen::VectorXd, 2> small_modal_loads(const std::vector<Secant>& secants, const BondEnd* ends, const double* x,
@@ -311,7 +311,7 @@ class PenaltyLinks {
 
   void take_share_of_link(std::size_t block, const Secant& s, const Eigen::VectorXd& amplitudes, vd* delta) const;
   void put_traction(std::size_t block, const TractionSecant& k, const vd* delta, const vd* n, std::vector<LinkTraction>& of_links) const;
-  void lay_out_elastic(const BondRecord& record);
+  void lay_out_elastic(const PointStore& points, const BondRecord& record);
   TractionSecant softened(int side, const TractionSecant& k) const {
     return elastic_ ? elastic_->side[static_cast<std::size_t>(side)].end.softened(k) : k;
   }
