@@ -49,6 +49,53 @@ def test_finite_elements(name, tmp_path, figures):
         figures.below(f"{name}, {load}: error of the stiffness", abs(error), 0.01)
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("name", [n for n in CASES if "attached_from" in CASES[n]])
+def test_debonded_at_the_second_grain(name, tmp_path, figures):
+    """A point file whose links to the second grain are gone inside of a radius. The crack front is smeared over a cell of a tenth of the width."""
+    limit = 0.015 if "20 %" in name else 0.04
+    case = CASES[name]
+    made = scene(case, cell_of(case))
+    run(made + "write_cement cement.txt\n", tmp_path)
+    lines = (tmp_path / "cement.txt").read_text().splitlines()
+    head = next(i for i, line in enumerate(lines) if "attached_j" in line)
+    columns = lines[head].lstrip("# ").split()
+    at = {c: columns.index(c) for c in ("x", "y", "z", "area_j", "attached_j")}
+    for i in range(head + 1, len(lines)):
+        values = lines[i].split()
+        if len(values) != len(columns) or float(values[at["area_j"]]) == 0:
+            continue
+        x, y, z = (float(values[at[c]]) for c in "xyz")
+        r, R = np.hypot(x, y), case["radius"][1]
+        if R * r / np.hypot(r, z - case["gap"] / 2 - R) < case["attached_from"]:
+            values[at["attached_j"]] = "0"
+            lines[i] = " ".join(values)
+    (tmp_path / "debonded.txt").write_text("\n".join(lines) + "\n")
+    first = made.index("create_cement")
+    again = made[:first] + f"create_cement calcite pair 1 2 file debonded.txt spacing {cell_of(case) / 2:.15g}\n" + made[made.index("\n", first) + 1 :]
+    found = stiffness(tmp_path, again)
+    for load, reference in case["stiffness"].items():
+        figures.below(f"{name}, {load}: error of the stiffness", abs(found[load] / reference["value"] - 1), limit)
+
+
+def test_frequency_of_a_free_pair(tmp_path, figures):
+    """Two free grains swing along their line with the stiffness of bond_stiffness; each takes half of the mass of the cement."""
+    case, cell, dt, steps = CASES["ring"], 2.5e-4, 6e-9, 4500
+    text = scene(case, cell).replace("timestep     1e-09", f"timestep {dt}")
+    k = stiffness(tmp_path / "k", text)["tension"]
+    text += "fix motion grains nve/sphere\nvelocity first set 0 0 1e-3\nvelocity second set 0 0 -1e-3\n"
+    text += "variable points equal mass(calcite)\nvariable grains equal mass(grains)\n" + thermo(5, ["f_bond[9]", "v_points", "v_grains"])
+    t = run(text + f"run {steps}\n", tmp_path).table()
+    force, step = t["f_bond[9]"], t["step"]
+    up = [i for i in range(1, len(force)) if force[i - 1] < 0 <= force[i]]
+    at = [step[i] - 5 * force[i] / (force[i] - force[i - 1]) for i in up]
+    period = (at[-1] - at[0]) / (len(at) - 1) * dt
+    mass = 0.5 * (t["v_grains"][0] + t["v_points"][0])
+    expected = 2 * np.pi * np.sqrt(0.5 * mass / k)
+    assert len(at) >= 2
+    figures.below("error of the frequency", abs(expected / period - 1), 0.005)
+
+
 def test_stiff_grains_are_rigid(tmp_path, figures):
     case = {**CASES["cylinder across a gap"], "grain": [[1e20, 0.22]] * 2}
     stiff, rigid = (stiffness(tmp_path / g, scene(case, cell_of(case, 5), g)) for g in ("elastic", "grains rigid"))

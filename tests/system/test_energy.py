@@ -101,3 +101,13 @@ def test_at_rest(tmp_path):
     table = run(script, tmp_path).table()
     assert table["f_cem[7]"].max() > 0.0, "no rounding to tell of"
     assert (table["f_cem[12]"] == 0.0).all()
+
+
+def test_dampers_of_soft_links(tmp_path, figures):
+    """Links that need no added mass: their dampers act between cement and a free grain that is thrown away."""
+    cell = 2.5e-4
+    script = pair(cell / 2, cement="content 0.01") + cement(cell, 4e-9, elastic=CALCITE, axis="radial", couple="kn 1e12 kt 3e11 damping 0.3")
+    script += "fix hold first move linear 0 0 0\nfix motion second nve/sphere\nvelocity second set 0.01 0 0.02\n"
+    table = run(script + thermo(20, ["f_cem[10]", "f_cem[12]"]) + "run 400\n", tmp_path).table()
+    assert table["f_cem[10]"][-1] > 0
+    figures.below("imbalance of the energy", abs(table["f_cem[12]"][1:]).max(), 1e-7)

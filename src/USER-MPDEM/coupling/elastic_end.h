@@ -16,6 +16,10 @@
 //
 //   q = M s + H w,   F = g'(s - S q) = H's - k w,   H = (1 - M S) g,   k = g'S H.
 //
+// Links of a traction law with a state have its secant stiffness. A step finds q with the secants of the step before, updates the states
+// for the separations of the links, which are d - Phi q less those of the soft springs, and finds q anew where secants changed. Links are
+// closed where the cement lies below the undeformed surface, so that secants follow from states and positions alone.
+//
 // The surface is in equilibrium with the links at each time: it has neither inertia nor state. The energy is at most that of
 // links K' to a rigid grain, so the added mass of these makes a step stable. S is a sum over chunks of links, in their order. Where
 // links debond only their chunks are computed anew, so S is a function of the links that are attached, and not of their history.
@@ -50,12 +54,14 @@ class ElasticEnd {
   const Mat3<double>& axes() const { return axes_; }
   int modes() const { return static_cast<int>(patch_ ? patch_->modes().scalars() : 0); }
   int size() const { return 3 * modes(); }
+  // Stiffness of a link and the soft spring in series, and the share of their separation that the link takes.
   TractionSecant softened(const TractionSecant& k) const {
-    const double c = patch_ ? patch_->tail() : 0.0;
+    const double c = tail();
     return {k.kn / (1.0 + c * k.kn), k.kt / (1.0 + c * k.kt)};
   }
+  TractionSecant share_of_link(const TractionSecant& softened) const { return {1.0 - tail() * softened.kn, 1.0 - tail() * softened.kt}; }
 
-  double softened(double k) const { return patch_ ? k / (1.0 + patch_->tail() * k) : k; }
+  double softened(double k) const { return k / (1.0 + tail() * k); }
 
   // Blocks of links of this end. direction: of each link from the centre, unit vectors in the axes of the patch.
   void add_block(const vd* direction);
@@ -77,6 +83,7 @@ class ElasticEnd {
   std::size_t memory_usage() const { return values_.capacity() * sizeof(vd); }
 
  private:
+  double tail() const { return patch_ ? patch_->tail() : 0.0; }
   struct Group {
     int harmonic, first, end;  // radial functions of a harmonic
   };
@@ -96,13 +103,16 @@ struct ElasticEnds {
     mutable std::vector<std::vector<double>> chunks;  // shares of kChunk blocks in S, empty: not known
     ElasticEnd::Response response;
     Eigen::VectorXd loads, of_all, amplitudes;  // s, share of this rank and of all; q
-    Eigen::VectorXd debonded_loads, before;     // share in s of links that debonded in this step; s of the others at the step before
+    Eigen::VectorXd debonded_loads, before;  // what s lost as links debonded or softened in this step; the new s for the positions before
+    Eigen::VectorXd softened_from;           // s before links softened, until it is found anew
   };
   std::array<Side, 2> side;
-  bool stiffness_changed = true;  // links debonded since M was found, or it is not known
-  bool some_debonded = false;     // links debonded in this step, of the bond on any rank, or of another bond on one of its grains
-  bool coupled = false;           // one of the grains has other bonds
-  double released = 0.0;          // energy, in this step
+  std::vector<TractionSecant> secants;        // of links and soft springs, for each block; empty: constant, or not known
+  std::vector<std::array<int, kLanes>> tags;  // IDs of the points of these links, for a traction law with a state
+  bool stiffness_changed = true;              // links debonded since M was found, or it is not known
+  bool some_debonded = false;  // links debonded or softened in this step, of the bond on any rank, or of another bond on one of its grains
+  bool coupled = false;        // one of the grains has other bonds
+  double released = 0.0;       // energy, in this step
   std::size_t memory_usage() const;
 };
 

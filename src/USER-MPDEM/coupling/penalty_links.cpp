@@ -9,6 +9,7 @@
 
 #include "../mpm/lane_by_lane.h"
 #include "../mpm/point_scatter.h"
+#include "link_states.h"
 #include "rigid_motion.h"
 #include "traction_laws.h"
 
@@ -93,7 +94,7 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, c
       if (blocks_[n].link[l] >= 0) layers[kLanes * n + l] = points.meta[points.links[blocks_[n].link[l]].slot / kLanes].layer;
   take_states(points);
   find_strength(points, record);
-  if (record.grain_E[0] + record.grain_E[1] > 0.0) lay_out_elastic(record);
+  if (record.grain_E[0] + record.grain_E[1] > 0.0) lay_out_elastic(points, record);
 }
 
 // Draws the factors at the foot points.
@@ -150,16 +151,6 @@ void PenaltyLinks::take_states(const PointStore& points) {
   for (std::size_t b = 0; b < blocks_.size() && fields > 0; ++b)
     for (int l = 0; l < kLanes; ++l)
       for (int i = 0; i < fields && blocks_[b].link[l] >= 0; ++i) states_[fields * b + i][l] = points.links[blocks_[b].link[l]].state[i];
-}
-
-template <class L>
-typename L::State PenaltyLinks::state(const L&, std::size_t block) const {
-  typename L::State s{};
-  if constexpr (L::kFields > 0) {
-    static_assert(sizeof s == L::kFields * sizeof(vd), "a state is its fields");
-    std::memcpy(&s, &states_[L::kFields * block], sizeof s);
-  }
-  return s;
 }
 
 void PenaltyLinks::base_of(const PointStore& points, const Link& k, int* base) const {
@@ -403,8 +394,8 @@ void PenaltyLinks::add_force_of(const L& law, std::size_t i, const Weights<Type>
 }
 
 void PenaltyLinks::add_force(Grid& grid, BondEnd* ends) {
-  double released;
-  if (is_elastic()) return add_whole_elastic_force(grid, ends, 0.0, released);
+  LinkStep none;
+  if (is_elastic()) return add_whole_elastic_force(nullptr, grid, ends, 0.0, none);
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     each_attached(grid, ends, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
@@ -416,7 +407,7 @@ void PenaltyLinks::add_force(Grid& grid, BondEnd* ends) {
 void PenaltyLinks::update_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step) {
   step.dissipated = step.released = 0.0;
   step.debond.clear();
-  if (is_elastic()) return add_whole_elastic_force(grid, ends, dt, step.released);
+  if (is_elastic()) return add_whole_elastic_force(&points, grid, ends, dt, step);
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& of_first) {
     each_attached(grid, ends, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
@@ -444,15 +435,7 @@ void PenaltyLinks::update_block(const L& law, std::size_t i, const Weights<Type>
   find_velocity(b, grid, s, w, q, v);
   const vd taken = area * energy_loss_in_step(law, state(law, i), now, delta, n, v, dt);  // energy that is dissipated or released
   step.dissipated += sum_lanes(area * u.dissipated);
-  std::memcpy(&states_[L::kFields * i], &now, sizeof now);
-  std::uint8_t freed = 0;
-  for (int l = 0; l < kLanes; ++l) {
-    if (!(attached >> l & 1) || !u.grown[l]) continue;
-    for (int k = 0; k < L::kFields; ++k) points.links[b.link[l]].state[k] = states_[L::kFields * i + k][l];
-    if (!u.debond[l]) continue;
-    freed |= static_cast<std::uint8_t>(1u << l);
-    step.debond.push_back(b.link[l]);
-  }
+  const std::uint8_t freed = store_state(law, i, now, u, points, step);
   const vd released = taken - area * u.dissipated;
   release(i, freed, released, false, points, step.released);
   step.released += sum_lanes(select(lanes(freed), vd{}, released));
@@ -515,6 +498,7 @@ vd PenaltyLinks::energy_at_debonding(const L& law, std::size_t block, const Grid
 
 std::vector<int> PenaltyLinks::debond(PointStore& points, const std::vector<int>& failed, const Grid& grid, const BondEnd* ends, double dt,
                                       double& released) {
+  if (is_elastic()) find_secants(grid, ends);
   std::vector<int> of_failed;  // ascending; most points have no links
   for (int slot : failed) {
     const auto [first, end] = of_slot(points.links, slot);

@@ -143,6 +143,7 @@ class PenaltyLinks {
   // Elastic grains (elastic_end.h), in elastic_links.cpp. update_and_add_force() does all this for a bond that is whole on its rank.
   // Where ranks cut a bond, or a grain has other bonds, cement/step/elastic_forces.h does it: ranks sum the loads of the modes, and their
   // stiffness where it changed, and bonds on one grain move each other. Modes of a side are in the axes of its patch.
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
   bool is_elastic() const { return elastic_.has_value(); }
   int modal_size(int side) const { return elastic_->side[static_cast<std::size_t>(side)].end.size(); }
   bool modal_stiffness_changed() const { return elastic_->stiffness_changed; }
@@ -152,12 +153,16 @@ class PenaltyLinks {
     return elastic_->side[static_cast<std::size_t>(side)].end.response(of_all).M;
   }
   void take_modal_stiffness(int side, const std::vector<double>& of_all, bool debonded);
+  void find_secants(const Grid& grid, const BondEnd* ends);  // of a traction law with a state, after a new layout
   void find_modal_loads(const Grid& grid, const BondEnd* ends, double dt);
+  // Updates the states of a traction law that has them, for the motions w of both patches, see find_amplitudes(). Returns true if secants
+  // changed: then stiffness and loads have to be found anew.
+  bool update_elastic(PointStore& points, const Grid& grid, const BondEnd* ends, double dt, const std::array<Vector6, 2>& w,
+                      LinkStep& step);
   const Eigen::VectorXd& modal_loads(int side) const { return elastic_->side[static_cast<std::size_t>(side)].loads; }
   void take_modal_loads(int side, const Eigen::VectorXd& of_all) { elastic_->side[static_cast<std::size_t>(side)].of_all = of_all; }
   // The amplitudes, for the motion w of the patch by other bonds on the grain, and the load F of the patch for w = 0, and its
   // stiffness k, see elastic_end.h.
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
   void find_amplitudes(int side, const Vector6& w);
   Vector6 rigid_load(int side) const {
     const ElasticEnds::Side& e = elastic_->side[static_cast<std::size_t>(side)];
@@ -169,7 +174,7 @@ class PenaltyLinks {
   void note_debonding();  // of another bond on one of the grains
   // Adds the forces for these loads. Returns the energy that the modes release with links that debond in this step.
   double add_elastic_force(Grid& grid, BondEnd* ends);
-  // Takes over the motion of the surfaces from the links before a new layout.
+  // Takes over the motion of the surfaces, and the secants, from the links before a new layout.
   void continue_from(const PenaltyLinks& before);
   // For small motions as in add_small_force(): loads of the modes of both sides, and the forces due to their amplitudes.
   std::array<Eigen::VectorXd, 2> small_modal_loads(const std::vector<Secant>& secants, const BondEnd* ends, const double* x,
@@ -198,7 +203,8 @@ class PenaltyLinks {
     std::vector<Block> blocks;
   };
   SmallSeparations small_separations(const std::vector<Secant>& secants, const std::array<std::vector<double>, 6>& fields,
-                                     const double (*motions)[2][6]) const;
+                                     const double (*motions)[2][6], const BondEnd* ends,
+                                     const std::array<std::array<Eigen::VectorXd, 2>, 6>& amplitudes) const;
   // Largest TractionLaw onset_share of the links: for the sum of d_j motions, or for each of them alone, of both signs.
   double largest_onset_share(const SmallSeparations& separations, const double* d) const;
   void largest_onset_shares(const SmallSeparations& separations, double* of_motion) const;
@@ -303,14 +309,26 @@ class PenaltyLinks {
   void damper(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, const TractionSecant& k, const vd* q,
               const vd* n, vd* v, vd* f) const;
 
+  void take_share_of_link(std::size_t block, const Secant& s, const Eigen::VectorXd& amplitudes, vd* delta) const;
   void put_traction(std::size_t block, const TractionSecant& k, const vd* delta, const vd* n, std::vector<LinkTraction>& of_links) const;
-  void lay_out_elastic(const BondRecord& record);
+  void lay_out_elastic(const PointStore& points, const BondRecord& record);
   TractionSecant softened(int side, const TractionSecant& k) const {
     return elastic_ ? elastic_->side[static_cast<std::size_t>(side)].end.softened(k) : k;
   }
-  TractionSecant springs(const LinkBlock& b) const;  // of link and soft spring in series
+  TractionSecant springs(std::size_t block) const;  // of link and soft spring in series
+  template <class L>
+  TractionSecant secant_of(const L& law, std::size_t block, const vd* delta, const vd* n, const typename L::State& state) const {
+    return softened(blocks_[block].side, law.secant(separation_of(delta, n), state));
+  }
+  template <class L>
+  bool update_elastic_block(const L& law, std::size_t block, const vd* delta, const vd* n, const vd* u, const vd* v, double dt,
+                            PointStore& points, LinkStep& step);
+  // Stores a new state of the links of a block, also in the store. Returns the lanes whose links debond, which it adds to the step.
+  template <class L>
+  std::uint8_t store_state(const L& law, std::size_t block, const typename L::State& now, const TractionUpdate& u, PointStore& points,
+                           LinkStep& step);
   Mat3<double> axes_of_patch(int side, const BondEnd& s) const;
-  void add_whole_elastic_force(Grid& grid, BondEnd* ends, double dt, double& released);
+  void add_whole_elastic_force(PointStore* points, Grid& grid, BondEnd* ends, double dt, LinkStep& step);
   void add_freed(std::size_t block, std::uint8_t freed, const Grid& grid, const BondEnd& s);
   double modal_energy() const;  // to be subtracted from the energy of the links; share of this rank
 

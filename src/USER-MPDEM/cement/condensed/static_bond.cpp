@@ -303,7 +303,8 @@ StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
     const std::shared_ptr<const TractionLaw>& interface = system->links.parameters().law;
     if (interface && interface->fields() > 0) {
       bond.faces = system->film.put_faces_in_series(bond.strain_of_film, system->ends, bond.frame.middle, system->law, *interface);
-      bond.separations = system->links.small_separations(system->links.secants(system->grid, system->ends), bond.displacement, motion);
+      bond.separations = system->links.small_separations(system->links.secants(system->grid, system->ends), bond.displacement, motion,
+                                                         system->ends, bond.amplitudes);
     }
     bond.stiffness_of_film = system->film.stiffness(bond.strain_of_film, system->law);
   }

@@ -26,8 +26,7 @@ void ElasticCoupling::find(const Bonds& bonds, double cell) {
   for (int row = 0; row < static_cast<int>(bonds.table.size()); ++row) {
     const BondRecord& record = bonds.table[static_cast<std::size_t>(row)];
     for (int s = 0; s < 2; ++s)
-      if (record.has_grain(s) && record.grain_E[s] > 0.0 && record.patch[s][1] > 0.0)
-        of_grain[record.grain[s]].push_back({row, s});
+      if (record.has_grain(s) && record.grain_E[s] > 0.0 && record.patch[s][1] > 0.0) of_grain[record.grain[s]].push_back({row, s});
   }
   grains_.clear();
   end_of_.clear();

@@ -109,18 +109,42 @@ void ElasticForces::couple() {
   coupling_.find_motions(loads);
 }
 
-void ElasticForces::find(const std::function<void(Bond&)>& then) {
-  if (scene_.elastic_grains == ElasticGrains::none) return;
+std::array<ElasticCoupling::Vector6, 2> ElasticForces::motions_of(const Bond& b) const {
+  std::array<ElasticCoupling::Vector6, 2> w{ElasticCoupling::Vector6::Zero(), ElasticCoupling::Vector6::Zero()};
+  for (int side = 0; side < 2 && b.links.is_coupled(); ++side)
+    if (const int end = coupling_.end_of(b.row, side); end >= 0) w[static_cast<std::size_t>(side)] = coupling_.motion(end);
+  return w;
+}
+
+// Traction laws with a state soften by the loads that they had so far.
+void ElasticForces::update_links() {
+  int changed = 0;
+  for (const auto& [b, shared] : waiting_)
+    if (b->links.update_elastic(b->points, b->grid, scene_.grains.ends_of(*b), scene_.now.dt, motions_of(*b), b->link_step)) changed = 1;
+  MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPI_INT, MPI_MAX, scene_.comm);
+  if (changed) find_loads();
+}
+
+void ElasticForces::find_loads() {
   share_stiffness();
   share_loads();
   couple();
+}
+
+void ElasticForces::find(bool at_start, const std::function<void(Bond&)>& then) {
+  if (scene_.elastic_grains == ElasticGrains::none) return;
   for (const auto& [b, shared] : waiting_) {
-    for (int side = 0; side < 2; ++side) {
-      if (b->links.modal_size(side) == 0) continue;
-      const int end = b->links.is_coupled() ? coupling_.end_of(b->row, side) : -1;
-      b->links.find_amplitudes(side, end < 0 ? ElasticCoupling::Vector6(ElasticCoupling::Vector6::Zero()) : coupling_.motion(end));
-    }
-    scene_.energy.release(b->links.add_elastic_force(b->grid, scene_.grains.ends_of(*b)));
+    b->links.find_secants(b->grid, scene_.grains.ends_of(*b));
+    b->link_step = LinkStep();
+  }
+  find_loads();
+  if (!at_start && scene_.penalty->law->fields() > 0) update_links();
+  for (const auto& [b, shared] : waiting_) {
+    const auto w = motions_of(*b);
+    for (std::size_t side = 0; side < 2; ++side)
+      if (b->links.modal_size(static_cast<int>(side)) > 0) b->links.find_amplitudes(static_cast<int>(side), w[side]);
+    b->link_step.released += b->links.add_elastic_force(b->grid, scene_.grains.ends_of(*b));
+    std::sort(b->link_step.debond.begin(), b->link_step.debond.end());
     then(*b);
   }
   waiting_.clear();

@@ -6,6 +6,7 @@
 #ifndef MPDEM_CEMENT_STEP_ELASTIC_FORCES_H
 #define MPDEM_CEMENT_STEP_ELASTIC_FORCES_H
 
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -22,10 +23,14 @@ class ElasticForces {
   void find_coupling(bool anew);
   // Does this bond wait for find()?
   bool waits(Bond& b);
-  // Collective. Adds the forces of the links of the bonds that wait, and calls then(b) for each of them.
-  void find(const std::function<void(Bond&)>& then);
+  // Collective. Adds the forces of the links of the bonds that wait, with the result in Bond::link_step, and calls then(b) for each of
+  // them. at_start: states of links do not change.
+  void find(bool at_start, const std::function<void(Bond&)>& then);
 
  private:
+  void update_links();
+  void find_loads();
+  std::array<ElasticCoupling::Vector6, 2> motions_of(const Bond& b) const;  // of the patches of both grains, by other bonds
   void share_stiffness();
   void share_loads();
   void couple();

@@ -38,6 +38,10 @@ void NodalForces::debond(Bond& b) {
 // Traction laws may dissipate energy, and may debond intact points.
 void NodalForces::follow_links(Bond& b) {
   b.links.update_and_add_force(b.points, b.grid, scene_.grains.ends_of(b), scene_.now.dt, b.link_step);
+  note_links(b);
+}
+
+void NodalForces::note_links(Bond& b) {
   scene_.energy.dissipate(b.link_step.dissipated);
   scene_.energy.release(b.link_step.released);
   if (b.link_step.debond.empty()) return;
@@ -102,7 +106,11 @@ void NodalForces::begin(double kick) {
 }
 
 void NodalForces::find_accelerations() {
-  elastic_.find([this](Bond& b) { starts_ ? add_other_forces_at_start(b) : add_other_forces(b); });
+  elastic_.find(starts_, [this](Bond& b) {
+    if (starts_) return add_other_forces_at_start(b);
+    note_links(b);
+    add_other_forces(b);
+  });
   scene_.timer.start(StepTimer::kHalo);
   shared_.sum([](Bond& b) { return b.grid.force.data(); }, 3);
   scene_.timer.start(StepTimer::kNodes);

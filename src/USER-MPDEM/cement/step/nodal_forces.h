@@ -47,12 +47,17 @@ class NodalForces {
  private:
   BondContext at_work(Bond& b);
   void follow_links(Bond& b);
+  void note_links(Bond& b);
   void advance_film(Bond& b);
   void add_other_forces(Bond& b);
   void add_other_forces_at_start(Bond& b);
   void end_forces(Bond& b);
   void complete(Bond& b);
-  bool grains_need_accelerations() const { return (added_.any() || condensed_.any()) && scene_.grains.any_free(); }
+  // Added mass and condensed bonds move with the grains, and the energy of dampers depends on the relative acceleration.
+  bool grains_need_accelerations() const {
+    const bool has_dampers = scene_.penalty && scene_.penalty->damping > 0.0;
+    return (added_.any() || condensed_.any() || has_dampers) && scene_.grains.any_free();
+  }
   void find_grain_accelerations();
   void add_inertial_forces();
   void share_impulses();

@@ -45,7 +45,7 @@ double stiffness(Arguments& args, const CoupleKeyword& k) { return args.accept("
 
 mpdem::GrainElasticity elasticity(Arguments& args) {
   const double E = args.positive("grains elastic");
-  return {E, args.between("grains elastic", kLeastPoisson, kMostPoisson, "Poisson's ratio")};
+  return {E, args.between(text_of("grains elastic ", E), kLeastPoisson, kMostPoisson, "Poisson's ratio")};
 }
 
 std::vector<mpdem::ElasticType> elastic_types(Arguments& args) {

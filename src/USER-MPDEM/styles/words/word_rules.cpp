@@ -83,7 +83,6 @@ const Exclusion kExclusions[] = {
      "'axis radial' or 'axis bond', or 'fix_modify ... points all', which makes all points now"},
     {"grains elastic", kTransfers, "surfaces of elastic grains keep their reference",
      "'grains rigid', or 'kinematics total' without 'reproject'"},
-    {"grains elastic", "interface cohesive", "elastic grains follow links that are springs", "'grains rigid' or 'interface penalty'"},
     {"grains elastic", "friction", "debonded cement touches rigid grains", "'grains rigid', or no 'friction'"},
     {"grains elastic", "at points", "elastic grains deform at their surface", "'grains rigid' or 'at surface'"},
     {"grains elastic", "film joined", "columns of a film lie between rigid grains", "'grains rigid', or 'film grid' of create_cement"},
