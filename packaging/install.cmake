@@ -155,12 +155,12 @@ if(MPDEM_LEVELS AND CMAKE_INSTALL_PREFIX STREQUAL "/usr")
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR}/levels)
   set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
   set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "LIGGGHTS with cement of material points between grains
- Discrete elements of LIGGGHTS for the grains of cemented soils, and for the
- cement of each bond a continuum of material points with anisotropic elasticity
- and damage. Stiffness, strength and mode of failure of a bond are results of
- the geometry of the cement, its moduli, strength and fracture energy.
- .
- This package has the program, examples, tools for pictures and tables, the
- Python package mpdem and the manual. The processor needs ${OLDEST} or newer.")
+Discrete elements of LIGGGHTS for the grains of cemented soils, and for the
+cement of each bond a continuum of material points with anisotropic elasticity
+and damage. Stiffness, strength and mode of failure of a bond are results of
+the geometry of the cement, its moduli, strength and fracture energy.
+
+This package has the program, examples, tools for pictures and tables, the
+Python package mpdem and the manual. The processor needs ${OLDEST} or newer.")
   include(CPack)
 endif()
