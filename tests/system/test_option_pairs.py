@@ -199,11 +199,11 @@ def trouble_of(chosen, folder):
     again = run(scene(chosen, "half") + f"run {HALF}\n", folder, name="in.again").table()
     found = []
     # Transfers of velocity lose energy. With `condense yes` up to 1.6e-4 is off in a struck pair before a point fails, and up to 1.3e-2 with
-    # damping; 5e-4 where links of a bond with a film soften in contact. The causes are not known.
+    # damping; 6e-4 where the faces of a film soften within some steps. The causes of the first two are not known.
     keeps_energy = not any(is_written(words, kind) for words in chosen.values() for kind in ("kinematics updated", "reproject"))
     imbalance = max(abs(t[IMBALANCE]).max() for t in (one, two))
     limit = 3e-4 if chosen["condense"] == "condense yes" else 1e-4
-    if "joined" in chosen["film"] and "friction 0.3" in chosen.values() and any("cohesive" in words for words in chosen.values()):
+    if "joined" in chosen["film"] and any("cohesive" in words for words in chosen.values()):
         limit = 1e-3
     if chosen["condense"] == "condense yes" and any(re.search(r"damping 0*\.?0*[1-9]|quasistatic \S+ 0*\.?0*[1-9]", words) for words in chosen.values()):
         limit = 2e-2

@@ -187,6 +187,7 @@ void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p
   int film = std::any_of(avec_->bonds.begin(), avec_->bonds.end(), [](const mpdem::Bond& b) { return !b.film.empty(); });
   MPI_Allreduce(MPI_IN_PLACE, &film, 1, MPI_INT, MPI_MAX, world);
   if (film) words.push_back({"film joined", "create_cement"});
+  if (!avec_->bonds.rows_without_points().empty()) words.push_back({"points later", "create_cement"});
   refuse(text_of("fix mpm/couple (id ", coupling->id, "): "), std::move(words), false);
   cement_->couple(&p);
   set_time_step(coupling);
