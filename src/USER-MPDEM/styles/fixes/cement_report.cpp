@@ -300,7 +300,7 @@ void CementReport::times(Cement& c, bigint points) {
   std::string text = text_of(who_, all, " s in ", steps, " steps, ", point_steps / std::max(all, 1e-9), " point steps per second, ",
                              point_steps / std::max(cpu, 1e-9), " by CPU time, ");
   text += points > 0 ? text_of(bytes / static_cast<double>(points), " bytes a point\n ")
-                     : text_of(bytes / static_cast<double>(c.bonds().table.size()), " bytes a bond\n ");
+                     : text_of(bytes / std::max(1.0, static_cast<double>(c.bonds().table.size())), " bytes a bond\n ");
   for (std::size_t i = 0; i + 2 < s.size(); ++i)
     text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(cpu, 1e-9)) / 10.0, " %");
   if (unmoved[0] > 0.0) text += text_of("; ", unmoved[0], " of ", unmoved[1], " bonds at rest");

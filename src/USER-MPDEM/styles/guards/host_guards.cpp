@@ -17,7 +17,6 @@
 #include "fix_gravity.h"
 #include "../../cement/engine/cement.h"
 #include "fix_setforce.h"
-#include "force.h"
 #include "group.h"
 #include "modify.h"
 #include "neighbor.h"
@@ -304,9 +303,8 @@ const Guard kGuards[] = {
     {kBegin, "units other than `si`, `cgs` and `micro`",
      "are not consistent or have no dimension, and cement has moduli, densities and strengths", "use 'units si', 'cgs' or 'micro'", kScene,
      [](View v, int) {
-       return std::strcmp(v.lmp->update->unit_style, "lj") == 0 || v.lmp->force->ftm2v != 1.0 || v.lmp->force->nktv2p != 1.0
-                  ? text_of("units '", v.lmp->update->unit_style, "'")
-                  : "";
+       const std::string units = v.lmp->update->unit_style;
+       return units == "si" || units == "cgs" || units == "micro" ? "" : text_of("units '", units, "'");
      }},
     {kRun | kPoints | kCheck, "grains and cement of one atom type",
      "and groups by type, contact laws and particle templates cannot tell them apart",
