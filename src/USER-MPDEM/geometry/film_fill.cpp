@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSectors = 16;  // of a ring of a film; a multiple of eight keeps the mirror planes of the lattice
 constexpr int kLeastRings = 4, kMostRings = 8;
-constexpr int kLeastRingsOfLayer = 2;
+constexpr int kLeastRingsOfSeam = 2;
 constexpr double kRingsOfRatio = 3.0;  // rings for a thickness e times that at the inner rim
 constexpr double kThinnest = 1e-3;     // of the smaller radius
 constexpr double kNoFilm = 1e-9;       // cement thinner than a cell by less than this share is no film
@@ -147,9 +147,9 @@ std::vector<Ring> rings_of_film(const GrainPair& pair, const FilmFill& film) {
   return rings;
 }
 
-std::vector<Ring> rings_of_layer(const FilmFill& film, double spacing) {
+std::vector<Ring> rings_of_seam(const FilmFill& film, double spacing) {
   const double width = film.to - film.from;
-  const int count = std::max(kLeastRingsOfLayer, static_cast<int>(std::ceil(width / spacing)));
+  const int count = std::max(kLeastRingsOfSeam, static_cast<int>(std::ceil(width / spacing)));
   std::vector<double> at, weight;
   gauss_rule(count, at, weight);
   std::vector<Ring> rings;
@@ -220,18 +220,18 @@ std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmFill& film, co
   return fill_rings(pair, film, rings_of_film(pair, film), true, neighbours);
 }
 
-bool is_layer(const Shape& shape, double spacing) {
+bool is_seam(const Shape& shape, double spacing) {
   return shape.ends_where_it_spans() && shape.largest_thickness() < kCellOfPoints * spacing;
 }
 
-std::vector<FillPoint> fill_layer(const Shape& shape, double spacing, const std::vector<Neighbour>& neighbours) {
-  FilmFill layer;
-  layer.all = true;
-  layer.from = shape.inner();
-  layer.to = Flat::outer_for_volume(shape.pair(), shape.volume(), layer.from);
-  layer.volume = shape.volume();
-  for (int s = 0; s < 2; ++s) layer.area[s] = shape.attached_area(s);
-  return fill_rings(shape.pair(), layer, rings_of_layer(layer, spacing), false, neighbours);
+std::vector<FillPoint> fill_seam(const Shape& shape, double spacing, const std::vector<Neighbour>& neighbours) {
+  FilmFill seam;
+  seam.all = true;
+  seam.from = shape.inner();
+  seam.to = Flat::outer_for_volume(shape.pair(), shape.volume(), seam.from);
+  seam.volume = shape.volume();
+  for (int s = 0; s < 2; ++s) seam.area[s] = shape.attached_area(s);
+  return fill_rings(shape.pair(), seam, rings_of_seam(seam, spacing), false, neighbours);
 }
 
 }  // namespace mpdem

@@ -62,8 +62,8 @@ ScatterOfBond scatter_of_bond(const Scatter& scatter, const BondRecord& record, 
 void find_softening(PointStore& points, const BondRecord& record, double cell) {
   points.softening.clear();
   const Law& base = *points.law();
-  const bool is_layer = record.is_thinner_than(cell);
-  bool any = is_layer;
+  const bool is_seam = record.is_thinner_than(cell);
+  bool any = is_seam;
   for (int n = 0; n < base.materials(); ++n) any = any || base.of_material(n).softens_by_position();
   if (!any) return;
   points.softening.resize(points.blocks.size());
@@ -73,7 +73,7 @@ void find_softening(PointStore& points, const BondRecord& record, double cell) {
       for (int l = 0; l < kLanes; ++l) {
         const double X[3] = {at[0][l], at[1][l], at[2][l]};
         const double above[2] = {above_grain(record, 0, X), above_grain(record, 1, X)};
-        points.softening[b][l] = is_layer                    ? law.softening_of_layer(above[0] + above[1])
+        points.softening[b][l] = is_seam                    ? law.softening_of_layer(above[0] + above[1])
                                  : law.softens_by_position() ? law.softening_at(above[0], above[1])
                                                              : law.softening();
       }

@@ -107,9 +107,9 @@ TEST(FilmFill, FilmAndCellsTogetherAreTheShape) {
 TEST(FilmFill, LayerHasOnePointAtEitherGrain) {
   const Flat flat(touching(3.5e-3), 5e-4, 0.0);  // from the contact on
   const double spacing = 1e-4;
-  ASSERT_TRUE(is_layer(flat, spacing));
-  EXPECT_FALSE(is_layer(flat, 2e-5));
-  const std::vector<FillPoint> points = fill_layer(flat, spacing);
+  ASSERT_TRUE(is_seam(flat, spacing));
+  EXPECT_FALSE(is_seam(flat, 2e-5));
+  const std::vector<FillPoint> points = fill_seam(flat, spacing);
   double volume = 0.0, area[2] = {0.0, 0.0}, square = 0.0;
   Vector3 moment = Vector3::Zero();
   for (const FillPoint& p : points) {
@@ -140,7 +140,7 @@ TEST(FilmFill, NeighboursTakeTheirShareOfALayer) {
   const Flat flat(touching(), 5e-4, 1e-4);
   const std::vector<Neighbour> neighbours = {{&flat, Vector3(1e-6, 0, 0)}};
   double volume = 0.0;
-  for (const FillPoint& p : fill_layer(flat, 1e-4, neighbours)) {
+  for (const FillPoint& p : fill_seam(flat, 1e-4, neighbours)) {
     volume += p.volume;
     EXPECT_LT(p.X[0], 1e-4);
   }

@@ -49,8 +49,8 @@ void CementMaker::fill_by_shape(Fill& f, double most) {
   const FilmFill& film = plan_.film_of(shape);
   f.points.clear();
   const Shape& resolved = plan_.resolved_of(shape);
-  f.record.regular = film.all || !is_layer(resolved, wish_.spacing);
-  if (!f.record.regular) f.points = fill_layer(resolved, wish_.spacing, neighbours);
+  f.record.regular = film.all || !is_seam(resolved, wish_.spacing);
+  if (!f.record.regular) f.points = fill_seam(resolved, wish_.spacing, neighbours);
   else if (!film.all) f.points = fill_with_points(resolved, wish_.spacing, most, neighbours);
   const std::vector<FillPoint> of_film = fill_film(plan_.shape_of(shape).pair(), film, neighbours);
   f.points.insert(f.points.end(), of_film.begin(), of_film.end());

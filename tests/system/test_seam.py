@@ -77,6 +77,6 @@ def test_rigid_grains_are_refused(tmp_path):
     assert "one layer of cells" in done.output
 
 
-def test_layers_are_not_written(tmp_path):
+def test_seams_are_not_written(tmp_path):
     done = launch(scene(CASE, WIDTH) + "run 0\nwrite_cement cement.txt\n", tmp_path)
     assert done.status != 0 and "one layer" in done.errors()[0], done.errors()
