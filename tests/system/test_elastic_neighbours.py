@@ -120,3 +120,16 @@ def test_condensed_bonds_are_alone(tmp_path):
     done = run(two_bonds(case, 2.5e-4, math.pi, words="condense yes") + "run 2500\n", tmp_path)
     assert "do not act on each other with 'condense yes'" in done.output
     assert abs(tension(tmp_path) / PULL / case["stiffness"]["tension"]["value"] - 1).max() < 0.01
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_deleted_neighbour(ranks, tmp_path, figures):
+    """A bond that goes no longer moves the patch of the other one, whose energy changes."""
+    case = REFERENCES["chains"]["ring in a chain of three"]
+    text = two_bonds(case, (case["outer"] - case["inner"]) / 4, math.pi, processors=PROCESSORS[ranks]) + thermo(50, ["f_cem[9]", *VALUES])
+    t = run(text + "run 2500\ndelete_bond pair 1 3\nrun 200\n", tmp_path, ranks).table()
+    end = list(t["step"]).index(2500)
+    released = t["f_cem[9]"][end + 1] - t["f_cem[9]"][end]
+    figures.note("energy that the other bond releases", released)
+    assert abs(released) > 1e-14
+    figures.below(f"{ranks} ranks: imbalance of the energy", abs(t["f_cem[12]"][end:]).max(), 1e-4)

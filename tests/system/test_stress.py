@@ -177,3 +177,27 @@ def test_bad_input(tmp_path, command):
     result = launch(row_of_beads(tmp_path) + command + "\n", tmp_path)
     assert result.status != 0 and len(result.errors()) == 1, result.output[-2000:]
     assert all(w in result.errors()[0] for w in BAD[command]), result.errors()
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_plane_walls(ranks, tmp_path, figures):
+    """A bead between two planes, of which one has slid. Hertz' closed form, and the same forces and motion as without the compute."""
+    near, far, E, nu, steps = 0.998 * R, 0.9995 * R, 1e9, 0.25, 50
+    text = host(processors=f"{ranks} 1 1") + "region box block -0.005 0.005 -0.005 0.005 -0.005 0.005 units box\ncreate_box 2 box\n"
+    text += "create_atoms 1 single 0.001 0 0 units box\ncreate_atoms 1 single -0.003 0 0 units box\n"
+    text += f"set type 1 diameter {2 * R} density 2500\ngroup grains type 1\n{NEIGHBOURS}{FIXES}timestep 1e-8\n"
+    text += f"fix floor grains wall/gran model hertz tangential history primitive type 1 zplane {-near:.15g} shear x 0.02\n"
+    text += f"fix lid grains wall/gran model hertz tangential history primitive type 1 zplane {far:.15g}\nfix motion grains nve/sphere\n"
+    bead = [f"v_{n}" for n in ("fx", "fz", "x")]
+    text += "group bead id 1\nvariable fx equal fcm(bead,x)\nvariable fz equal fcm(bead,z)\nvariable x equal xcm(bead,x)\n"
+    watched = run(text + "compute s grains mpm/stress\n" + thermo(1, STRESS + bead) + f"run {steps}\n", tmp_path / "watched", ranks).table()
+    alone = run(text + thermo(1, bead) + f"run {steps}\n", tmp_path / "alone", ranks).table()
+    for name in bead:
+        assert (watched[name] == alone[name]).all(), name
+    modulus, volume = E / (2 * (1 - nu * nu)), BOX
+    force = [4 / 3 * modulus * np.sqrt(R) * (R - gap) ** 1.5 for gap in (near, far)]
+    assert abs(force[0] - force[1]) > 0.5 * force[0]
+    figures.below("normal stress at the start, two beads", abs(watched["c_s[3]"][0] / (-2 * (force[0] * near + force[1] * far) / volume) - 1), 1e-9)
+    shear = watched["v_fx"] * -near / (2 * volume)  # of one bead: the floor drags it at its lowest point
+    assert abs(watched["c_s[5]"][-1]) > 0
+    figures.below("shear stress", abs(watched["c_s[5]"][-1] / (2 * shear[-1]) - 1), 0.05)

@@ -175,13 +175,7 @@ double PenaltyLinks::add_elastic_force(Grid& grid, BondEnd* ends) {
         for (int d = 0; d < 3; ++d) u[d] = delta[d] - u[d];
         traction(k, u, n, f);
         for (int d = 0; d < 3; ++d) f[d] *= -area;
-        if (p_.damping > 0.0) {
-          vd v[3], by_damper[3];
-          damper(b, grid, s, w, k, q, n, v, by_damper);
-          for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
-        }
-        scatter_value_by_lane(grid.force.data(), attached, columns(b), w, f);
-        subtract_from_grain(q, f, s);
+        add_with_damper(b, w, k, q, n, f, grid, s);
       }
     }
   });

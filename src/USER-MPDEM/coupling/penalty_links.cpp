@@ -311,6 +311,18 @@ void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const BondEnd& s
   for (int d = 0; d < 3; ++d) f[d] = -g * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
 }
 
+template <class Type>
+void PenaltyLinks::add_with_damper(const LinkBlock& b, const Weights<Type>& w, const TractionSecant& k, const vd* q, const vd* n, vd* f,
+                                   Grid& grid, BondEnd& s) const {
+  if (p_.damping > 0.0) {
+    vd v[3], by_damper[3];
+    damper(b, grid, s, w, k, q, n, v, by_damper);
+    for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
+  }
+  scatter_value_by_lane(grid.force.data(), link_flags_[number_of(b)].attached, columns(b), w, f);
+  subtract_from_grain(q, f, s);
+}
+
 Power PenaltyLinks::damper_power(const Grid& grid, const BondEnd* ends) const {
   Power power;
   if (p_.damping == 0.0 || blocks_.empty()) return power;
@@ -384,24 +396,22 @@ void PenaltyLinks::add_force_of(const L& law, std::size_t i, const Weights<Type>
   const vd area = masked(attached, b.area);
   vd f[3];
   for (int d = 0; d < 3; ++d) f[d] = -area * (k.kt * delta[d] + (k.kn - k.kt) * apart.n * n[d]);
-  if (p_.damping > 0.0) {
-    vd v[3], by_damper[3];
-    damper(b, grid, s, w, k, q, n, v, by_damper);
-    for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
-  }
-  scatter_value_by_lane(grid.force.data(), attached, columns(b), w, f);
-  subtract_from_grain(q, f, s);
+  add_with_damper(b, w, k, q, n, f, grid, s);
 }
 
-void PenaltyLinks::add_force(Grid& grid, BondEnd* ends) {
-  LinkStep none;
-  if (is_elastic()) return add_whole_elastic_force(nullptr, grid, ends, 0.0, none);
-  if (blocks_.empty()) return;
+double PenaltyLinks::add_force(Grid& grid, BondEnd* ends) {
+  LinkStep step;
+  if (is_elastic()) {
+    add_whole_elastic_force(nullptr, grid, ends, 0.0, step);
+    return step.released;
+  }
+  if (blocks_.empty()) return 0.0;
   with_traction(*p_.law, [&](const auto& law) {
     each_attached(grid, ends, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
       add_force_of(law.same_kind(blocks_[i].material), i, w, q, delta, n, grid, ends[blocks_[i].side]);
     });
   });
+  return 0.0;
 }
 
 void PenaltyLinks::update_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step) {
@@ -584,19 +594,19 @@ std::size_t PenaltyLinks::memory_usage() const {
 // Used in elastic_links.cpp.
 template void PenaltyLinks::find_separation(const LinkBlock&, const Grid&, const BondEnd&, const Weights<LinearHat>&, vd*, vd*, vd*) const;
 template void PenaltyLinks::find_velocity(const LinkBlock&, const Grid&, const BondEnd&, const Weights<LinearHat>&, const vd*, vd*) const;
-template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<LinearHat>&, const TractionSecant&,
-                                   const vd*, const vd*, vd*, vd*) const;
+template void PenaltyLinks::add_with_damper(const LinkBlock&, const Weights<LinearHat>&, const TractionSecant&, const vd*, const vd*, vd*,
+                                            Grid&, BondEnd&) const;
 template void PenaltyLinks::find_separation(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, vd*, vd*,
                                             vd*) const;
 template void PenaltyLinks::find_velocity(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, const vd*,
                                           vd*) const;
-template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<QuadraticBspline>&, const TractionSecant&,
-                                   const vd*, const vd*, vd*, vd*) const;
+template void PenaltyLinks::add_with_damper(const LinkBlock&, const Weights<QuadraticBspline>&, const TractionSecant&, const vd*, const vd*,
+                                            vd*, Grid&, BondEnd&) const;
 template void PenaltyLinks::find_separation(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, vd*, vd*,
                                             vd*) const;
 template void PenaltyLinks::find_velocity(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, const vd*,
                                           vd*) const;
-template void PenaltyLinks::damper(const LinkBlock&, const Grid&, const BondEnd&, const Weights<CubicBspline>&, const TractionSecant&,
-                                   const vd*, const vd*, vd*, vd*) const;
+template void PenaltyLinks::add_with_damper(const LinkBlock&, const Weights<CubicBspline>&, const TractionSecant&, const vd*, const vd*,
+                                            vd*, Grid&, BondEnd&) const;
 
 }  // namespace mpdem

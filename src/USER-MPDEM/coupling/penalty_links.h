@@ -104,8 +104,9 @@ class PenaltyLinks {
   // Throws std::logic_error if the grid does not have the nodes of a link.
   void follow_layers(const PointStore& points, const Grid& grid, const std::vector<int>& new_index);
 
-  // Adds the forces of the present positions and states to nodes and grains.
-  void add_force(Grid& grid, BondEnd* ends);
+  // Adds the forces of the present positions and states to nodes and grains. Returns the energy that elastic grains release, as
+  // another bond on them left.
+  double add_force(Grid& grid, BondEnd* ends);
   // Updates the state of the traction law for the present positions, here and in the links of the store, and then adds
   // the forces. The positions are dt after the previous ones. Unchanged positions change no state.
   void update_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step);
@@ -308,6 +309,10 @@ class PenaltyLinks {
   template <class Type>
   void damper(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, const TractionSecant& k, const vd* q,
               const vd* n, vd* v, vd* f) const;
+  // Adds the force f of a block and that of its dampers to nodes and grain.
+  template <class Type>
+  void add_with_damper(const LinkBlock& b, const Weights<Type>& w, const TractionSecant& k, const vd* q, const vd* n, vd* f, Grid& grid,
+                       BondEnd& s) const;
 
   void take_share_of_link(std::size_t block, const Secant& s, const Eigen::VectorXd& amplitudes, vd* delta) const;
   void put_traction(std::size_t block, const TractionSecant& k, const vd* delta, const vd* n, std::vector<LinkTraction>& of_links) const;

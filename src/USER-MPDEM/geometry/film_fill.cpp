@@ -12,8 +12,9 @@ namespace mpdem {
 
 namespace {
 
-constexpr int kSectors = 16;  // a multiple of eight keeps the mirror planes of the lattice
+constexpr int kSectors = 16;  // of a ring of a film; a multiple of eight keeps the mirror planes of the lattice
 constexpr int kLeastRings = 4, kMostRings = 8;
+constexpr int kLeastRingsOfSeam = 2;
 constexpr double kRingsOfRatio = 3.0;  // rings for a thickness e times that at the inner rim
 constexpr double kThinnest = 1e-3;     // of the smaller radius
 constexpr double kNoFilm = 1e-9;       // cement thinner than a cell by less than this share is no film
@@ -59,6 +60,12 @@ struct Column {
   Vector3 middle() const { return 0.5 * (end[0] + end[1]); }
 };
 
+// Columns at the radius r, which stand for those between two radii. area: of their cross-sections together, up to a factor of all rings.
+struct Ring {
+  double r, inside, outside, area;
+  int sectors;
+};
+
 class FilmFiller {
  public:
   explicit FilmFiller(const GrainPair& pair) : pair_(pair) { across(pair.n, e1_, e2_); }
@@ -70,12 +77,13 @@ class FilmFiller {
   }
 
   // Share of the shape in a sector of a ring between these radii.
-  double share_of_sector(const std::vector<Neighbour>& neighbours, double from, double to, double angle) const {
+  double share_of_sector(const std::vector<Neighbour>& neighbours, const Ring& ring, double angle) const {
     constexpr int kAlong = 2, kAround = 4, kUp = 3;
     double sum = 0.0;
     for (int i = 0; i < kAlong; ++i)
       for (int j = 0; j < kAround; ++j) {
-        const Column c = column(from + (to - from) * (i + 0.5) / kAlong, angle + 2.0 * M_PI / kSectors * ((j + 0.5) / kAround - 0.5));
+        const Column c = column(ring.inside + (ring.outside - ring.inside) * (i + 0.5) / kAlong,
+                                angle + 2.0 * M_PI / ring.sectors * ((j + 0.5) / kAround - 0.5));
         for (int k = 0; k < kUp; ++k) sum += share_at(neighbours, c.end[0] + (k + 0.5) / kUp * (c.end[1] - c.end[0]));
       }
     return sum / (kAlong * kAround * kUp);
@@ -115,50 +123,87 @@ FilmFill film_fill(const Shape& shape, double spacing) {
   return film;
 }
 
-std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmFill& film, const std::vector<Neighbour>& neighbours) {
-  std::vector<FillPoint> points;
-  if (film.empty()) return points;
-  const FilmFiller filler(pair);
+namespace {
+
+// Heights of the surfaces rise by r/c, so dA = 2 pi r dr = 2 pi t/(1/c0 + 1/c1) d ln t.
+std::vector<Ring> rings_of_film(const GrainPair& pair, const FilmFill& film) {
   const double low = std::log(pair.thickness(film.from)), high = std::log(pair.thickness(film.to));
-  const int rings = std::clamp(static_cast<int>(std::ceil(kRingsOfRatio * (high - low))), kLeastRings, kMostRings);
+  const int count = std::clamp(static_cast<int>(std::ceil(kRingsOfRatio * (high - low))), kLeastRings, kMostRings);
   std::vector<double> at, weight;
-  gauss_rule(rings, at, weight);
+  gauss_rule(count, at, weight);
   const auto radius_at = [&](double share) {
     return share <= 0.0 ? film.from : share >= 1.0 ? film.to : pair.radius_of_thickness(std::exp(low + share * (high - low)));
   };
-  double volume = 0.0, area[2] = {0.0, 0.0}, passed = 0.0;
-  for (int i = 0; i < rings; ++i) {
-    const double r = radius_at(at[i]), t = pair.thickness(r), inside = radius_at(passed), outside = radius_at(passed + weight[i]);
+  std::vector<Ring> rings;
+  double passed = 0.0;
+  for (int i = 0; i < count; ++i) {
+    Ring ring{radius_at(at[i]), radius_at(passed), radius_at(passed + weight[i]), 0.0, kSectors};
     passed += weight[i];
-    // Heights of the surfaces rise by r/c, so dA = 2 pi r dr = 2 pi t/(1/c0 + 1/c1) d ln t. The factor high - low of the
-    // weights is left out, since all sums are scaled at the end.
-    double c[2], slopes = 0.0;
-    for (int s = 0; s < 2; ++s) {
-      const double R = pair.radius(s);
-      c[s] = std::sqrt((R - r) * (R + r));
-      slopes += 1.0 / c[s];
-    }
-    const double across_line = 2.0 * M_PI * t / slopes * weight[i] / kSectors;
-    for (int j = 0; j < kSectors; ++j) {
-      const double angle = 2.0 * M_PI * (j + 0.5) / kSectors;
-      const Column column = filler.column(r, angle);
-      FillPoint p;
-      p.film = true;
-      p.X = column.middle();
-      p.volume = across_line * t;
-      p.link_count = 2;
+    double slopes = 0.0;
+    for (int s = 0; s < 2; ++s) slopes += 1.0 / std::sqrt((pair.radius(s) - ring.r) * (pair.radius(s) + ring.r));
+    ring.area = 2.0 * M_PI * pair.thickness(ring.r) / slopes * weight[i];
+    rings.push_back(ring);
+  }
+  return rings;
+}
+
+std::vector<Ring> rings_of_seam(const FilmFill& film, double spacing) {
+  const double width = film.to - film.from;
+  const int count = std::max(kLeastRingsOfSeam, static_cast<int>(std::ceil(width / spacing)));
+  std::vector<double> at, weight;
+  gauss_rule(count, at, weight);
+  std::vector<Ring> rings;
+  double passed = 0.0;
+  for (int i = 0; i < count; ++i) {
+    const double r = film.from + width * at[i], inside = film.from + width * passed;
+    passed += weight[i];
+    const int sectors = 8 * std::max(1, static_cast<int>(std::ceil(2.0 * M_PI * r / (8.0 * spacing))));
+    rings.push_back({r, inside, film.from + width * passed, 2.0 * M_PI * r * weight[i], sectors});
+  }
+  return rings;
+}
+
+std::vector<FillPoint> fill_rings(const GrainPair& pair, const FilmFill& film, const std::vector<Ring>& rings, bool of_film,
+                                  const std::vector<Neighbour>& neighbours) {
+  std::vector<FillPoint> points;
+  const FilmFiller filler(pair);
+  double volume = 0.0, area[2] = {0.0, 0.0};
+  for (const Ring& ring : rings) {
+    double c[2];
+    for (int s = 0; s < 2; ++s) c[s] = std::sqrt((pair.radius(s) - ring.r) * (pair.radius(s) + ring.r));
+    const double across_line = ring.area / ring.sectors;
+    for (int j = 0; j < ring.sectors; ++j) {
+      const double angle = 2.0 * M_PI * (j + 0.5) / ring.sectors;
+      const Column column = filler.column(ring.r, angle);
+      const double share = neighbours.empty() ? 1.0 : filler.share_of_sector(neighbours, ring, angle);
+      const double of_column = across_line * pair.thickness(ring.r);
+      FillPoint::Attachment ends[2];
       for (int s = 0; s < 2; ++s) {
-        p.link[s].side = s;
-        p.link[s].foot = column.end[s];
-        p.link[s].area = across_line * pair.radius(s) / c[s];
-        area[s] += p.link[s].area;
+        ends[s].side = s;
+        ends[s].foot = column.end[s];
+        ends[s].area = across_line * pair.radius(s) / c[s];
+        area[s] += ends[s].area;
+        ends[s].area *= share;
       }
-      volume += p.volume;
-      const double share = neighbours.empty() ? 1.0 : filler.share_of_sector(neighbours, inside, outside, angle);
+      volume += of_column;
       if (share == 0.0) continue;
-      p.volume *= share;
-      for (auto& k : p.link) k.area *= share;
-      points.push_back(p);
+      FillPoint p;
+      if (of_film) {
+        p.film = true;
+        p.X = column.middle();
+        p.volume = share * of_column;
+        p.link_count = 2;
+        std::copy(ends, ends + 2, p.link);
+        points.push_back(p);
+        continue;
+      }
+      p.volume = 0.5 * share * of_column;
+      p.link_count = 1;
+      for (int s = 0; s < 2; ++s) {
+        p.X = 0.5 * (column.middle() + column.end[s]);
+        p.link[0] = ends[s];
+        points.push_back(p);
+      }
     }
   }
   for (FillPoint& p : points) {
@@ -166,6 +211,27 @@ std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmFill& film, co
     for (auto& k : p.link) k.area *= film.area[k.side] / area[k.side];
   }
   return points;
+}
+
+}  // namespace
+
+std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmFill& film, const std::vector<Neighbour>& neighbours) {
+  if (film.empty()) return {};
+  return fill_rings(pair, film, rings_of_film(pair, film), true, neighbours);
+}
+
+bool is_seam(const Shape& shape, double spacing) {
+  return shape.ends_where_it_spans() && shape.largest_thickness() < kCellOfPoints * spacing;
+}
+
+std::vector<FillPoint> fill_seam(const Shape& shape, double spacing, const std::vector<Neighbour>& neighbours) {
+  FilmFill seam;
+  seam.all = true;
+  seam.from = shape.inner();
+  seam.to = Flat::outer_for_volume(shape.pair(), shape.volume(), seam.from);
+  seam.volume = shape.volume();
+  for (int s = 0; s < 2; ++s) seam.area[s] = shape.attached_area(s);
+  return fill_rings(shape.pair(), seam, rings_of_seam(seam, spacing), false, neighbours);
 }
 
 }  // namespace mpdem

@@ -32,6 +32,13 @@ constexpr double kCellOfPoints = 2.0;  // width of a cell of eight points, in sp
 // Throws ShapeError if the shape cannot be film where it is too thin.
 FilmFill film_fill(const Shape& shape, double spacing);
 
+// True if the shape is thinner than a cell everywhere, and ends where it no longer reaches from grain to grain. Then fill_seam() can
+// fill it for cells.
+bool is_seam(const Shape& shape, double spacing);
+// A seam: columns at most a spacing apart, as points that cells take. Each column has one point at either grain. They lie in rings between the
+// radii of the flat bond of this inner radius and volume.
+std::vector<FillPoint> fill_seam(const Shape& shape, double spacing, const std::vector<Neighbour>& neighbours = {});
+
 // Points of the film, ring by ring. Neighbours take their share of each, as in fill_with_points().
 std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmFill& film, const std::vector<Neighbour>& neighbours = {});
 

@@ -58,6 +58,8 @@ struct BondRecord {
   // True if the grain is in the scene and may have cement of this bond. A bond without points needs no grain: the ID of
   // its grain may belong to a later atom.
   bool has_grain(int side) const { return points > 0 && !left[side]; }
+  // True if cells do not resolve the cement between the grains, which is a seam (geometry/film_fill.h).
+  bool is_thinner_than(double cell) const { return thickness > 0.0 && thickness < cell; }
 
   // See parallel/record.h.
   template <class Self, class Visitor>

@@ -59,10 +59,11 @@ ScatterOfBond scatter_of_bond(const Scatter& scatter, const BondRecord& record, 
 
 }  // namespace
 
-void find_softening(PointStore& points, const BondRecord& record) {
+void find_softening(PointStore& points, const BondRecord& record, double cell) {
   points.softening.clear();
   const Law& base = *points.law();
-  bool any = false;
+  const bool is_seam = record.is_thinner_than(cell);
+  bool any = is_seam;
   for (int n = 0; n < base.materials(); ++n) any = any || base.of_material(n).softens_by_position();
   if (!any) return;
   points.softening.resize(points.blocks.size());
@@ -71,8 +72,10 @@ void find_softening(PointStore& points, const BondRecord& record) {
       const vd* at = points.created_at(b);
       for (int l = 0; l < kLanes; ++l) {
         const double X[3] = {at[0][l], at[1][l], at[2][l]};
-        points.softening[b][l] =
-            law.softens_by_position() ? law.softening_at(above_grain(record, 0, X), above_grain(record, 1, X)) : law.softening();
+        const double above[2] = {above_grain(record, 0, X), above_grain(record, 1, X)};
+        points.softening[b][l] = is_seam                    ? law.softening_of_layer(above[0] + above[1])
+                                 : law.softens_by_position() ? law.softening_at(above[0], above[1])
+                                                             : law.softening();
       }
     }
   });

@@ -14,9 +14,9 @@
 namespace mpdem {
 
 // These set columns of the store for all points of the bond with this record. The store must know its law.
-// find_softening(): the softening by position. find_scatter(): factors. scatter_softening(): softening for the drawn energies,
-// call it after find_softening().
-void find_softening(PointStore& points, const BondRecord& record);
+// find_softening(): the softening by position, and that of cement thinner than a cell by its thickness. find_scatter(): factors.
+// scatter_softening(): softening for the drawn energies, call it after find_softening().
+void find_softening(PointStore& points, const BondRecord& record, double cell);
 void find_scatter(PointStore& points, const BondRecord& record);
 void scatter_softening(PointStore& points, const BondRecord& record);
 

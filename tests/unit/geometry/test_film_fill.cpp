@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/coating.h"
@@ -101,6 +102,49 @@ TEST(FilmFill, FilmAndCellsTogetherAreTheShape) {
   const std::unique_ptr<Shape> cells = meniscus.with_inner(film.to);
   EXPECT_NEAR((film.volume + cells->volume()) / meniscus.volume(), 1.0, 1e-12);
   for (int s = 0; s < 2; ++s) EXPECT_NEAR((film.area[s] + cells->attached_area(s)) / meniscus.attached_area(s), 1.0, 1e-12);
+}
+
+TEST(FilmFill, LayerHasOnePointAtEitherGrain) {
+  const Flat flat(touching(3.5e-3), 5e-4, 0.0);  // from the contact on
+  const double spacing = 1e-4;
+  ASSERT_TRUE(is_seam(flat, spacing));
+  EXPECT_FALSE(is_seam(flat, 2e-5));
+  const std::vector<FillPoint> points = fill_seam(flat, spacing);
+  double volume = 0.0, area[2] = {0.0, 0.0}, square = 0.0;
+  Vector3 moment = Vector3::Zero();
+  for (const FillPoint& p : points) {
+    ASSERT_EQ(p.link_count, 1);
+    EXPECT_FALSE(p.film);
+    EXPECT_TRUE(flat.inside(p.X));
+    EXPECT_GT(p.volume, 0.0);
+    const int side = p.link[0].side;
+    EXPECT_NEAR((p.link[0].foot - flat.pair().centre(side)).norm() / flat.pair().radius(side), 1.0, 1e-12);
+    EXPECT_LT((p.link[0].foot - p.X).norm(), 0.3 * flat.largest_thickness());
+    volume += p.volume;
+    area[side] += p.link[0].area;
+    moment += p.volume * Vector3(p.X[0], p.X[1], 0.0);
+    square += p.volume * (p.X[0] * p.X[0] + p.X[1] * p.X[1]);
+    double nearest = 1.0;
+    for (const FillPoint& q : points)
+      if (&q != &p && q.link[0].side == side) nearest = std::min(nearest, (q.link[0].foot - p.link[0].foot).norm());
+    EXPECT_LT(nearest, 1.2 * spacing);
+  }
+  EXPECT_NEAR(volume / flat.volume(), 1.0, 1e-12);
+  for (int s = 0; s < 2; ++s) EXPECT_NEAR(area[s] / flat.attached_area(s), 1.0, 1e-12);
+  EXPECT_LT(moment.norm() / volume, 1e-12 * kRadius);
+  // between paraboloids t goes with r^2, so the mean of r^2 over the volume is two thirds of the square of the outer radius
+  EXPECT_NEAR(square / volume / (2.0 / 3.0 * 5e-4 * 5e-4), 1.0, 0.01);
+}
+
+TEST(FilmFill, NeighboursTakeTheirShareOfALayer) {
+  const Flat flat(touching(), 5e-4, 1e-4);
+  const std::vector<Neighbour> neighbours = {{&flat, Vector3(1e-6, 0, 0)}};
+  double volume = 0.0;
+  for (const FillPoint& p : fill_seam(flat, 1e-4, neighbours)) {
+    volume += p.volume;
+    EXPECT_LT(p.X[0], 1e-4);
+  }
+  EXPECT_NEAR(volume / flat.volume(), 0.5, 0.01);
 }
 
 TEST(FilmFill, NeighboursTakeTheirShare) {

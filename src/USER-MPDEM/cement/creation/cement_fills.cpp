@@ -48,7 +48,10 @@ void CementMaker::fill_by_shape(Fill& f, double most) {
       neighbours.push_back({&plan_.shape_of(plan_.bonds()[other.bond].kind), other.apart, other.turn});
   const FilmFill& film = plan_.film_of(shape);
   f.points.clear();
-  if (!film.all) f.points = fill_with_points(plan_.resolved_of(shape), wish_.spacing, most, neighbours);
+  const Shape& resolved = plan_.resolved_of(shape);
+  f.record.regular = film.all || !is_seam(resolved, wish_.spacing);
+  if (!f.record.regular) f.points = fill_seam(resolved, wish_.spacing, neighbours);
+  else if (!film.all) f.points = fill_with_points(resolved, wish_.spacing, most, neighbours);
   const std::vector<FillPoint> of_film = fill_film(plan_.shape_of(shape).pair(), film, neighbours);
   f.points.insert(f.points.end(), of_film.begin(), of_film.end());
   for (FillPoint& p : f.points) p.material = wish_.material_of(plan_.shape_of(shape).part_at(p.X));
@@ -171,7 +174,7 @@ void CementMaker::make_fills(const Batch& batch, BondTrouble& trouble) {
 
 // Shares the numbers of fills among all ranks. The rank that made a fill has them; the others add zero.
 void CementMaker::share_numbers(const std::vector<int>& fills) {
-  constexpr int kNumbers = 12;
+  constexpr int kNumbers = 13;
   std::vector<double> all(kNumbers * fills.size(), 0.0);
   for (std::size_t k = 0; k < fills.size(); ++k) {
     const Fill& f = fills_[fills[k]];
@@ -182,6 +185,7 @@ void CementMaker::share_numbers(const std::vector<int>& fills) {
     std::copy(f.record.attached_area, f.record.attached_area + 2, v + 2);
     v[4] = f.record.thickness;
     v[11] = f.record.material;
+    v[12] = f.record.regular;
     if (f.points.empty()) continue;
     for (int d = 0; d < 3; ++d) {
       v[5 + d] = f.box.min()[d];
@@ -199,6 +203,7 @@ void CementMaker::share_numbers(const std::vector<int>& fills) {
     std::copy(v + 2, v + 4, f.record.attached_area);
     f.record.thickness = v[4];
     f.record.material = static_cast<int>(v[11]);
+    f.record.regular = v[12] > 0.0;
     f.record.spacing = wish_.spacing;
     f.corner = Vector3(wish_.grid[0], wish_.grid[1], wish_.grid[2]);
     for (int c = 0; c < 3; ++c) f.record.lattice[c] = -f.corner[c];

@@ -19,11 +19,18 @@ constexpr double kPointsOfABatch = 100000.0;
 constexpr int kListed = 20;  // number of bonds reported one by one
 constexpr double kFewCells = 2.0;
 
+bool is_seam(const CementPlan::Kind& kind, const CementRequest& wish) {
+  return wish.file.empty() && kind.width > 0.0 && kind.thickness < kCellOfPoints * wish.spacing;
+}
+
 // Describes how many cells of two points thickness and width of the bond have.
 std::string of_cells(const CementPlan::Kind& kind, const CementRequest& wish) {
   if (!wish.file.empty()) return "";
   const double cell = kCellOfPoints * wish.spacing;
   if (kind.width == 0.0) return "  all of it is film, thinner or narrower than cells of two points\n";
+  if (is_seam(kind, wish))
+    return text_of("  a seam in cells of two points, ", kind.width / cell, " wide, since it is at most ", kind.thickness / cell,
+                   " thick: for elastic grains\n");
   std::string text = text_of("  in cells of two points up to ", kind.thickness / cell, " thick and ", kind.width / cell, " wide");
   if (kind.film_share > 0.0) text += text_of("; film carries ", 100.0 * kind.film_share, " % of the attached area");
   return text + "\n";
@@ -208,7 +215,8 @@ void CementMaker::report(const Batch& batch) {
   for (std::size_t k = 0; k < batch.records.size(); ++k) {
     if (!batch.kept[k]) continue;
     const CementPlan::Kind& kind = plan_.kind_of(batch.from + k);
-    const bool thin = wish_.file.empty() && kind.film_share == 0.0 && kind.thinnest < 2.0 * wish_.spacing * (1.0 - 1e-9);
+    const bool thin =
+        wish_.file.empty() && kind.film_share == 0.0 && !is_seam(kind, wish_) && kind.thinnest < 2.0 * wish_.spacing * (1.0 - 1e-9);
     const bool coarse = wish_.file.empty() && kind.width > 0.0 && cells_across(kind) < kFewCells * (1.0 - 1e-9);
     if (thin && listed_ >= kListed) thin_.add(kind.thinnest);
     if (coarse && listed_ >= kListed) coarse_.add(cells_across(kind));
@@ -244,9 +252,9 @@ bool CementMaker::narrow(const CementPlan::Kind& kind) const {
   return wish_.inner_rule == CementRequest::given && wish_.inner > 0.0 && kind.width < kind.thickness;
 }
 
-// Cells of two points across thickness or width, whichever is less.
+// Cells of two points across thickness or width, whichever is less. Cells need not resolve the thickness of a seam.
 double CementMaker::cells_across(const CementPlan::Kind& kind) const {
-  return std::min(kind.thickness, kind.width) / (kCellOfPoints * wish_.spacing);
+  return (is_seam(kind, wish_) ? kind.width : std::min(kind.thickness, kind.width)) / (kCellOfPoints * wish_.spacing);
 }
 
 std::string CementMaker::report_of(std::size_t n, const BondRecord& record) {

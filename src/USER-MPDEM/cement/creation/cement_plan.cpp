@@ -185,7 +185,7 @@ void CementPlan::measure_kinds(BondTrouble& trouble) {
       if (film.all) continue;
       kind.thickness = made.largest_thickness();
       kind.width = made.spans() - film.to;
-      if (kind.thickness < 2.0 * wish_.spacing)
+      if (kind.thickness < kCellOfPoints * wish_.spacing && !is_seam(made, wish_.spacing))
         trouble.tell(
             kind.first, thickness,
             prefix(kind.first) + text_of("the cement is at most ", kind.thickness, " thick, less than a cell of two points of spacing ",

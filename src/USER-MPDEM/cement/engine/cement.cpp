@@ -44,6 +44,11 @@ void Cement::couple(const PenaltyParameters* penalty) {
 void Cement::set_elastic_grains(const std::vector<ElasticPair>& of_rows) {
   mpdem::set_elastic_grains(scene_.comm, scene_.bonds(), of_rows);
   const auto is_elastic = [](const BondRecord& r) { return r.grain_E[0] + r.grain_E[1] > 0.0; };
+  for (const BondRecord& r : scene_.bonds().table)
+    if (r.is_thinner_than(scene_.options.cell) && !is_elastic(r))
+      throw BadState(text_of("'cell ", scene_.options.cell, "' is larger than the cement between grains ", r.grain[0], " and ", r.grain[1],
+                             " is thick (", r.thickness, "), and cells do not resolve that between rigid grains; use 'film joined' of ",
+                             "create_cement, a smaller cell and spacing, or 'grains elastic'"));
   const bool any = std::any_of(scene_.bonds().table.begin(), scene_.bonds().table.end(), is_elastic);
   // Condensed bonds do not know the loads of others, and the load of a bond must not jump where it is resolved.
   scene_.elastic_grains = !any ? ElasticGrains::none : scene_.options.condense ? ElasticGrains::apart : ElasticGrains::coupled;

@@ -105,7 +105,7 @@ class LayoutMaker {
       l.new_slot = l.points.arrange(o.cell, o.basis, r.layers.layer_of_slot, rules_.formulation.joins_cells());
       set_frames(l.points, *rules_.law, [&](const Vector3& X) { return axis_at(X, record, o); });
     }
-    find_softening(l.points, record);
+    find_softening(l.points, record, o.cell);
     find_scatter(l.points, record);
     scatter_softening(l.points, record);
     if (rules_.penalty) l.links = PenaltyLinks(l.points, record, *rules_.penalty, o.cell, rules_.density, o.basis);

@@ -25,9 +25,23 @@ void ElasticForces::find_coupling(bool anew) {
     for (int side = 0; side < 2; ++side)
       if (const int end = coupling_.end_of(b.row, side); end >= 0) lowest[static_cast<std::size_t>(end)] = me;
   }
+  note_departures();
   MPI_Allreduce(MPI_IN_PLACE, lowest.data(), static_cast<int>(lowest.size()), MPI_INT, MPI_MIN, scene_.comm);
   counts_here_.resize(lowest.size());
   for (std::size_t n = 0; n < lowest.size(); ++n) counts_here_[n] = lowest[n] == me;
+}
+
+// A bond that left no longer moves the surfaces below the others, which release energy.
+void ElasticForces::note_departures() {
+  std::vector<std::array<int, 2>> now;
+  for (const BondRecord& r : scene_.bonds().table)
+    if (r.has_grain(0) && r.has_grain(1) && r.grain_E[0] + r.grain_E[1] > 0.0) now.push_back({r.grain[0], r.grain[1]});
+  std::sort(now.begin(), now.end());
+  const bool some_left = !std::includes(now.begin(), now.end(), pairs_.begin(), pairs_.end());
+  pairs_ = std::move(now);
+  if (!some_left) return;
+  for (Bond& b : scene_.bonds().resolved())
+    if (b.links.is_elastic()) b.links.note_debonding();
 }
 
 bool ElasticForces::waits(Bond& b) {
@@ -84,9 +98,9 @@ void ElasticForces::share_stiffness() {
   });
 }
 
-void ElasticForces::share_loads() {
+void ElasticForces::share_loads(double dt) {
   for (const auto& [b, shared] : waiting_) {
-    b->links.find_modal_loads(b->grid, scene_.grains.ends_of(*b), scene_.now.dt);
+    b->links.find_modal_loads(b->grid, scene_.grains.ends_of(*b), dt);
     for (int side = 0; side < 2; ++side)
       if (b->links.modal_size(side) > 0) b->links.take_modal_loads(side, b->links.modal_loads(side));
   }
@@ -122,12 +136,13 @@ void ElasticForces::update_links() {
   for (const auto& [b, shared] : waiting_)
     if (b->links.update_elastic(b->points, b->grid, scene_.grains.ends_of(*b), scene_.now.dt, motions_of(*b), b->link_step)) changed = 1;
   MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPI_INT, MPI_MAX, scene_.comm);
-  if (changed) find_loads();
+  if (changed) find_loads(scene_.now.dt);
 }
 
-void ElasticForces::find_loads() {
+// dt: time since the positions before, which count for what debonding releases.
+void ElasticForces::find_loads(double dt) {
   share_stiffness();
-  share_loads();
+  share_loads(dt);
   couple();
 }
 
@@ -137,7 +152,7 @@ void ElasticForces::find(bool at_start, const std::function<void(Bond&)>& then) 
     b->links.find_secants(b->grid, scene_.grains.ends_of(*b));
     b->link_step = LinkStep();
   }
-  find_loads();
+  find_loads(at_start ? 0.0 : scene_.now.dt);
   if (!at_start && scene_.penalty->law->fields() > 0) update_links();
   for (const auto& [b, shared] : waiting_) {
     const auto w = motions_of(*b);

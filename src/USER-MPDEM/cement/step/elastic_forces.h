@@ -29,10 +29,11 @@ class ElasticForces {
 
  private:
   void update_links();
-  void find_loads();
+  void find_loads(double dt);
+  void note_departures();
   std::array<ElasticCoupling::Vector6, 2> motions_of(const Bond& b) const;  // of the patches of both grains, by other bonds
   void share_stiffness();
-  void share_loads();
+  void share_loads(double dt);
   void couple();
   template <class Get, class Take>
   void sum_modes(int most, Get get, Take take);
@@ -44,8 +45,9 @@ class ElasticForces {
 
   Scene& scene_;
   ElasticCoupling coupling_;
-  std::vector<char> counts_here_;  // of the coupled ends: this is the lowest of the ranks with a share of the bond
-  int found_at_ = -1;              // Bonds::resolved_changes() at find_coupling()
+  std::vector<char> counts_here_;          // of the coupled ends: this is the lowest of the ranks with a share of the bond
+  int found_at_ = -1;                      // Bonds::resolved_changes() at find_coupling()
+  std::vector<std::array<int, 2>> pairs_;  // of grains with bonds that act on others, ascending
   struct Waiting {
     Bond* bond;
     bool shared;  // by ranks

@@ -107,7 +107,10 @@ void NodalForces::begin(double kick) {
 
 void NodalForces::find_accelerations() {
   elastic_.find(starts_, [this](Bond& b) {
-    if (starts_) return add_other_forces_at_start(b);
+    if (starts_) {
+      scene_.energy.release(b.link_step.released);
+      return add_other_forces_at_start(b);
+    }
     note_links(b);
     add_other_forces(b);
   });
@@ -187,7 +190,7 @@ void NodalForces::find_at_start() {
   for (Bond& b : scene_.bonds().resolved()) {
     b.transfer_change.clear();
     if (elastic_.waits(b)) continue;
-    b.links.add_force(b.grid, scene_.grains.ends_of(b));
+    scene_.energy.release(b.links.add_force(b.grid, scene_.grains.ends_of(b)));
     add_other_forces_at_start(b);
   }
   find_accelerations();

@@ -13,16 +13,18 @@
 #include "comm.h"
 #include "compute_pair_gran_local.h"
 #include "fix_property_atom.h"
+#include "fix_wall_gran.h"
 #include "force.h"
 #include "modify.h"
 #include "pair_gran.h"
+#include "primitive_wall.h"
 #include "update.h"
 
 namespace mpdem {
 
 using namespace LAMMPS_NS;
 
-// Members of LIGGGHTS' FixWallGran by their symbols, since its header includes files that installed LIGGGHTS lacks.
+// Members of LIGGGHTS' FixWallGran by their symbols.
 void evaluate_wall(FixWallGran*) __asm__("_ZN9LAMMPS_NS11FixWallGran14post_force_pglEv");
 void register_compute(FixWallGran*, ComputePairGranLocal*,
                       int&) __asm__("_ZN9LAMMPS_NS11FixWallGran27register_compute_wall_localEPNS_20ComputePairGranLocalERi");
@@ -39,6 +41,21 @@ struct HeardWall {
   int i;
   double force[3], distance;
   const double* normal;
+};
+
+// Vectors of the atoms of this rank, to be put back.
+class Copy {
+ public:
+  Copy(double** vectors, int count) : vectors_(vectors) {
+    for (int i = 0; vectors && i < count; ++i) values_.insert(values_.end(), vectors[i], vectors[i] + 3);
+  }
+  void put_back() const {
+    for (std::size_t n = 0; n < values_.size(); ++n) vectors_[n / 3][n % 3] = values_[n];
+  }
+
+ private:
+  double** vectors_;
+  std::vector<double> values_;
 };
 
 class ContactForces::Listener : public ComputePairGranLocal {
@@ -90,30 +107,55 @@ void ContactForces::listen_to_pairs() {
   if (of_script) contacts->register_compute_pair_local(of_script, unused);
 }
 
-// LIGGGHTS then overwrites what `store_force` keeps of a wall with zeros, so it is put back.
 void ContactForces::listen_to_walls() {
   Modify& modify = *lmp_->modify;
   for (int n = 0; n < modify.nfix; ++n) {
-    if (std::strncmp(modify.fix[n]->style, "wall/gran", 9) != 0) continue;
-    FixWallGran* const wall = reinterpret_cast<FixWallGran*>(modify.fix[n]);
-    const int stored = modify.find_fix((std::string("force_") + modify.fix[n]->id).c_str());
+    FixWallGran* const wall = dynamic_cast<FixWallGran*>(modify.fix[n]);
+    if (!wall) continue;
+    // LIGGGHTS overwrites what `store_force` keeps of a wall, so it is put back.
+    const int stored = modify.find_fix((std::string("force_") + wall->id).c_str());
     const FixPropertyAtom* const store = stored < 0 ? nullptr : dynamic_cast<FixPropertyAtom*>(modify.fix[stored]);
-    double** const kept = store ? store->array_atom : nullptr;
-    std::vector<double> forces;
-    for (int i = 0; kept && i < lmp_->atom->nlocal; ++i) forces.insert(forces.end(), kept[i], kept[i] + 3);
-    ComputePairGranLocal* of_script = nullptr;
-    for (int c = 0; c < modify.ncompute; ++c) {
-      ComputePairGranLocal* const compute = dynamic_cast<ComputePairGranLocal*>(modify.compute[c]);
-      if (compute && Listener::wall_of(*compute) == wall) of_script = compute;
-    }
-    int unused;
-    if (of_script) unregister_compute(wall, of_script);
-    register_compute(wall, listener_.get(), unused);
-    evaluate_wall(wall);
-    unregister_compute(wall, listener_.get());
-    if (of_script) register_compute(wall, of_script, unused);
-    for (int i = 0; kept && i < lmp_->atom->nlocal; ++i) std::copy(&forces[3 * i], &forces[3 * i] + 3, kept[i]);
+    const Copy kept(store ? store->array_atom : nullptr, lmp_->atom->nlocal);
+    if (wall->is_mesh_wall()) listen_to_meshes(*wall);
+    else listen_to_primitive(*wall);
+    kept.put_back();
   }
+}
+
+void ContactForces::listen_to_meshes(FixWallGran& wall) {
+  ComputePairGranLocal* of_script = nullptr;
+  for (int c = 0; c < lmp_->modify->ncompute; ++c) {
+    ComputePairGranLocal* const compute = dynamic_cast<ComputePairGranLocal*>(lmp_->modify->compute[c]);
+    if (compute && Listener::wall_of(*compute) == &wall) of_script = compute;
+  }
+  int unused;
+  if (of_script) unregister_compute(&wall, of_script);
+  register_compute(&wall, listener_.get(), unused);
+  evaluate_wall(&wall);
+  unregister_compute(&wall, listener_.get());
+  if (of_script) register_compute(&wall, of_script, unused);
+}
+
+// LIGGGHTS reports contacts with meshes alone, so the wall adds its forces to those of the grains, which are put back. At set-up
+// histories of contacts stay as they are.
+void ContactForces::listen_to_primitive(FixWallGran& wall) {
+  Atom& atom = *lmp_->atom;
+  const Copy forces(atom.f, atom.nlocal), torques(atom.torque, atom.nlocal);
+  for (int i = 0; i < atom.nlocal; ++i) std::fill_n(atom.f[i], 3, 0.0);
+  const int in_setup = std::exchange(lmp_->update->setupflag, 1);
+  wall.post_force(0);
+  lmp_->update->setupflag = in_setup;
+  for (int i = 0; i < atom.nlocal; ++i) {
+    const double* const f = atom.f[i];
+    if (f[0] == 0.0 && f[1] == 0.0 && f[2] == 0.0) continue;
+    double arm[3];
+    wall.primitiveWall()->resolveContact(atom.x[i], 0.0, arm);
+    const double distance = std::hypot(arm[0], arm[1], arm[2]);
+    for (double& a : arm) a /= distance;
+    listener_->on_wall({i, {f[0], f[1], f[2]}, distance, arm});
+  }
+  forces.put_back();
+  torques.put_back();
 }
 
 Report::Magnitudes ContactForces::of_bonded(const std::vector<BondRecord>& table) {

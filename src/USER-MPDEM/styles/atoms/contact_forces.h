@@ -16,6 +16,10 @@
 #include "../../mpm/bond_record.h"
 #include "lammps.h"
 
+namespace LAMMPS_NS {
+class FixWallGran;
+}
+
 namespace mpdem {
 
 class ContactForces {
@@ -36,6 +40,8 @@ class ContactForces {
   class Listener;
   void listen_to_pairs();
   void listen_to_walls();
+  void listen_to_meshes(LAMMPS_NS::FixWallGran& wall);
+  void listen_to_primitive(LAMMPS_NS::FixWallGran& wall);
 
   LAMMPS_NS::LAMMPS* lmp_;
   std::unique_ptr<Listener> listener_;

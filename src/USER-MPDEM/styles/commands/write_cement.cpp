@@ -216,6 +216,21 @@ std::string WriteCement::write(const std::string& name, const std::vector<char>&
     for (int t : table[b].grain)
       if (chosen[b] && !now.grains.count(t))
         return text_of("write_cement: grain ", t, " was deleted, but its cement is there; keep bonded grains");
+  std::vector<std::array<int, 4>> cells;  // bond, cell of its lattice
+  for (const PointNow& p : now.points) {
+    const mpdem::BondRecord& b = table[p.record.row];
+    if (b.regular) continue;
+    std::array<int, 4> cell{p.record.row, 0, 0, 0};
+    for (int d = 0; d < 3; ++d) cell[static_cast<std::size_t>(d) + 1] = mpdem::lattice_cell(b, d, p.record.X[d]);
+    cells.push_back(cell);
+  }
+  std::sort(cells.begin(), cells.end());
+  if (const auto twice = std::adjacent_find(cells.begin(), cells.end()); twice != cells.end()) {
+    const mpdem::BondRecord& b = table[(*twice)[0]];
+    return text_of("write_cement: the cement of grains ", b.grain[0], " and ", b.grain[1],
+                   " is a seam, and a file has at most one point in a cell of a lattice; use a spacing of at most ",
+                   0.5 * b.thickness, " of create_cement for cement that is to be written");
+  }
   const std::string other = mpdem::writer_of(lmp, name, nullptr);
   if (!other.empty()) return text_of("write_cement: file '", name, "' is written by ", other, "; name another");
   std::FILE* f = std::fopen(name.c_str(), "w");

@@ -26,7 +26,7 @@ void check_cell(LAMMPS* lmp, const std::string& who, const std::vector<BondRecor
   double widest = 0.0, finest = 1e300;
   for (const BondRecord& b : table) {
     if (b.thickness == 0.0) continue;  // all film
-    if (b.thickness < cell)
+    if (b.is_thinner_than(cell) && b.thickness >= 2.0 * b.spacing)
       stop_all(lmp, who + text_of("'cell ", cell, "' is larger than the cement between grains ", b.grain[0], " and ", b.grain[1],
                                   " is thick (", b.thickness, "); use a smaller cell and spacing"));
     if (b.spacing > 1.5 * cell)
