@@ -51,7 +51,7 @@ class AddedMass {
     double mass[2];  // of the links to each grain
   };
   std::vector<OfNode> shares() const;
-  // Shares of eight nodes, one a lane. EightNodes has the data that bonds of one shape share.
+  // Shares of eight nodes, one per lane. EightNodes has the data that bonds of one shape share.
   struct EightMasses {
     vd mass[2];  // 0 in the lanes beyond the last share; these lanes have the node of the first share
     vd added;    // added mass of the nodes, for both grains

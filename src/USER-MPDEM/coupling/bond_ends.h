@@ -68,7 +68,7 @@ class BondEnds {
   // Collective. Sums force and torque over the copies.
   void sum_forces();
   void sum_sudden_forces();  // sums the forces of jumps and transfers over the copies; collective
-  // Collective. Sums values over the copies of each end, `width` numbers an end.
+  // Collective. Sums values over the copies of each end, `width` numbers per end.
   void sum(double* values, int width) { halo_.sum(values, width); }
   // Index in `ends` of each owned key.
   const std::vector<int>& owned() const { return owned_at_; }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Inertia and positions of eight nodes with added mass, one a lane, for loops over all added mass in every step.
+// Inertia and positions of eight nodes with added mass, one per lane, for loops over all added mass in every step.
 #ifndef MPDEM_COUPLING_EIGHT_INERTIAS_H
 #define MPDEM_COUPLING_EIGHT_INERTIAS_H
 

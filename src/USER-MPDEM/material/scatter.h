@@ -37,7 +37,7 @@ struct ScatterRule {
   Scattered what = Scattered::strength;
   enum Distribution { weibull, lognormal } distribution = weibull;
   double parameter = 1.0;  // weibull: its modulus; lognormal: coefficient of variation
-  double length = 0.0;     // correlation length of a field; 0: one value a bond
+  double length = 0.0;     // correlation length of a field; 0: one value per bond
   int seed = 1;
 
   // The factor that belongs to a standard normal number z. Its mean is 1.

@@ -53,7 +53,7 @@ class BondMechanism {
   virtual void add_damping(const BondContext&) {}
   // Adds forces to nodes whose other forces are complete. Collective among the ranks that share the nodes.
   virtual void add_contact(const BondContext&) {}
-  // Adds row sums of the stiffness to two numbers a node, one for each grain, for the added mass. See PenaltyLinks::add_stiffness().
+  // Adds row sums of the stiffness to two numbers per node, one for each grain, for the added mass. See PenaltyLinks::add_stiffness().
   virtual void add_stiffness(const Grid&, const BondEnd*, double* /* penalty */) const {}
 
   // Adds the energy stored in points, and that of the coupling between them and the grains.

@@ -105,7 +105,7 @@ class DriveAverage {
 
  private:
   bool points_fixed_ = false;
-  std::vector<double> inverse_volume_;       // one number a node
+  std::vector<double> inverse_volume_;       // one number per node
   std::vector<double> volume_, sum_, mean_;  // the same, padded, see scalar_sums.h
   bool volume_is_new_ = false;               // inverse_volume_ is not updated yet
   std::vector<vd> counted_volumes_;          // of each block: volumes times the factor of the imperfection

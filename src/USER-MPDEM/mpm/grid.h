@@ -8,7 +8,7 @@
 //
 // After step n the nodes have the state of the leap-frog scheme: displacement u_n, velocity v_n-1/2, acceleration a_n.
 // With `updated` kinematics the reference is new in every step: displacements are zero, and mass and momentum come from
-// the points each time. Vector fields have three numbers a node.
+// the points each time. Vector fields have three numbers per node.
 #ifndef MPDEM_MPM_GRID_H
 #define MPDEM_MPM_GRID_H
 

@@ -76,7 +76,7 @@ class StiffnessMatrix {
 
   // See BlockTridiagonal::factorise().
   bool factorise(double least) { return matrix_.factorise(least); }
-  // Finds the displacement x of the free nodes by the nodal force r, three numbers a node. It is zero at nodes that are
+  // Finds the displacement x of the free nodes by the nodal force r, three numbers per node. It is zero at nodes that are
   // no unknowns.
   void solve(const std::vector<double>& r, std::vector<double>& x);
 

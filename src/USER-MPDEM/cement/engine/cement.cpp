@@ -274,7 +274,7 @@ void Cement::take_substeps() {
 void Cement::advance() {
   const FlushDenormals flush;
   BondedGrains& grains = scene_.grains;
-  // motion of the grains to their present positions
+  // Grains: motion to their present positions, and contact points of failed points.
   grains.update_kinematics(scene_.now.dt, scene_.dt_last, static_cast<long>(scene_.now.number), scene_.energy);
   scene_.timer.start(StepTimer::kCoupling);
   const std::vector<int> moved = remap_contacts(scene_);
@@ -282,22 +282,22 @@ void Cement::advance() {
   condensed_.follow(grains, scene_.weight().data());
   grains.clear_sudden_forces();
   added_.follow_contacts(moved);
-  // separation of bonds and node splitting
+  // Separation of bonds and node splitting.
   topology_.update();
-  // nodes, points, links
+  // Motion of nodes, then stress of points, then internal forces and forces of links.
   forces_.begin(scene_.now.dt);
   kinematics_->advance();
   forces_.end_pass();
-  // accelerations of nodes and grains
+  // Accelerations of free grains, then of nodes.
   condensed_.pack().find_jump_loads(scene_.now.dt);
   forces_.find_accelerations();
   scene_.energy.end_step_of_dampers(work_.over_step(work_.of_dampers(0)), work_.over_step(work_.of_friction()));
   kinematics_->account_for_accelerations();
-  // loads on the grains
+  // Loads on the grains.
   scene_.timer.start(StepTimer::kCoupling);
   grains.save_loads();
   forces_.react();
-  // activate bonds, and condense bonds again
+  // Bonds near their threshold are activated, and resting bonds condensed again.
   scene_.timer.hold(StepTimer::kCondensing);
   if (condensing_.change()) find_forces_anew();
   scene_.timer.stop();

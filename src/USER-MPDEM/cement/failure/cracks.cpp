@@ -262,7 +262,7 @@ std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool w
   std::vector<int> examined;
   for (std::size_t n = 0; n < rows.size(); ++n) {
     State& s = states_[rows[n]];
-    // note_film_failure() marks the bond once the film has failed
+    // Film that carries load joins the grains. Once it has failed, note_film_failure() marks the bond.
     if (now[2 * n + 1] > 0.0 || now[2 * n] == s.broken_seen) continue;
     s.broken_seen = now[2 * n];
     examined.push_back(rows[n]);
@@ -277,7 +277,7 @@ Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const Ceme
   if (examined.empty()) return found;
   const int ranks = ranks_of(comm);
 
-  // entries of bonds that another rank examines are empty
+  // Entries of bonds that another rank examines are empty.
   const WholeBonds whole = collect(comm, bonds, examined, options);
   std::vector<std::vector<Connected>> of_points(ranks);
   std::vector<std::vector<OfPath>> paths(ranks);

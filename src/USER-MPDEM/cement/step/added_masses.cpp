@@ -100,7 +100,7 @@ double AddedMasses::energy_ahead(const std::vector<int>& rows, double later) con
   double sum = 0.0;
   for (int row : rows) {
     const Bond* b = row < scene_.rows_started ? scene_.bonds().find(row) : nullptr;
-    // a condensed bond has no added mass and no ends here
+    // A condensed bond has no added mass, and no ends on this rank.
     if (b && !b->added.empty()) sum += b->added.energy_ahead(b->grid, scene_.grains.ends_of(*b), later);
   }
   return sum;

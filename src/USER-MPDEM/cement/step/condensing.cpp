@@ -124,7 +124,7 @@ void Condensing::count_changes() {
     const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds(), 0.5 * scene_.dt_last);
     recondensed_.energy -= e.elastic + e.discrete_kinetic;
   }
-  // the momentum that grains gain is counted as work, so that damped energy does not depend on rigid translation
+  // The momentum that grains gain is counted as work, so that damped energy does not depend on rigid translation.
   scene_.energy.do_work(-recondensed_.to_grains);
   scene_.energy.damp(recondensed_.energy - recondensed_.to_grains);
 }
@@ -185,7 +185,7 @@ bool Condensing::rests(Bond& b) {
   const BondRecord& record = scene_.bonds().record(b);
   if (!scene_.bonds().is_whole(b)) return false;
   if (!record.has_grain(0) || !record.has_grain(1)) return false;  // fragments may be far from the grain that is left
-  // a condensed bond is not examined, so node splitting and the check must have seen all failed points
+  // A condensed bond is not examined, so node splitting and the check must have seen all failed points before.
   const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.split_checked) != 0; };
   if (scene_.options.split && std::any_of(b.points.meta.begin(), b.points.meta.end(), is_to_split)) return false;
   if (cracks_.separated(b.row) && (scene_.touches() || !cracks_.has_seen(b.row, Cracks::count_broken(b)))) return false;

@@ -85,7 +85,7 @@ void Substeps::move_grains() {
       g.x[d] = g.free[d] ? before + dt * g.velocity[d] : paths_[i].position(d, n * dt, double(scene_.substep) / n);
       g.moved[d] = g.x[d] - before;
       g.state->x[d] = scene_.ends_step() ? before : g.x[d];
-      // sum of (middle between the two ends of the step - position) over all sub-steps but the last
+      // path_offset is the sum of (middle between the two ends of the step - position) over all sub-steps but the last.
       if (scene_.substep == 1) g.state->path_offset[d] = 0.0;
       g.state->path_offset[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - paths_[i].from[d]) : paths_[i].from[d] - g.x[d];
     }

@@ -166,7 +166,7 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     const bool of_shape = key == "content" || !shapes_with(key).empty(), for_each_shape = of_shape || key == "material";
-    // keywords of a shape may come once for each shape
+    // Keywords of a shape may come once for each shape.
     if (key != "shape") args.once(key, !for_each_shape || wish.shapes.empty() ? "" : text_of("shape number ", wish.shapes.size()));
     if (key == "shape") {
       wish.shapes.emplace_back();

@@ -85,7 +85,7 @@ mpdem::PointRow row_of(const PointNow& p, const mpdem::BondRecord& record, const
   const double* D = r.damage;
   Eigen::Matrix3d m;
   m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
-  // a point without an axis has its damage in the axes of the bond
+  // A point without an axis has its damage in the axes of the bond.
   const Eigen::Quaterniond axes = has_axis ? quaternion(record.axes) * quaternion(r.q) : quaternion(record.axes);
   const Eigen::Matrix3d R = axes.toRotationMatrix();
   m = R * m * R.transpose();

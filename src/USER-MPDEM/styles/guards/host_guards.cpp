@@ -175,7 +175,7 @@ Found moved_grain(View v, int i) {
   bool far = false;
   for (int d = 0; d < 3; ++d) {
     moved[d] = x[d] - g->x[d];
-    // rounding by wrapping into the box
+    // Wrapping into the box rounds positions by this much.
     const double rounding = 16 * std::numeric_limits<double>::epsilon() * (std::fabs(x[d]) + v.lmp->domain->prd[d]);
     far = far || std::fabs(moved[d]) > 1e-9 * v.engine->options().cell + rounding;
   }

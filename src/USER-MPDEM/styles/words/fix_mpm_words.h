@@ -35,7 +35,7 @@ struct ParsedOptions {
 
 // Stops at keywords that are unknown, missing, out of range or exclude each other.
 ParsedOptions parse_cement_words(Arguments& args);
-// Returns the keywords, one a line, see keywords.h.
+// Returns the keywords, one per line, see keywords.h.
 std::string listed_cement_words();
 
 }  // namespace mpdem
