@@ -48,7 +48,7 @@ class AddedMass {
   // Added mass of a node, due to links on any rank.
   struct OfNode {
     int node;
-    double mass[2];  // of the links to each grain
+    double mass[2];  // added mass due to the links to each grain
   };
   std::vector<OfNode> shares() const;
   // Shares of eight nodes, one per lane. EightNodes has the data that bonds of one shape share.
@@ -107,7 +107,7 @@ class AddedMass {
  private:
   void accelerate_with_grains(Grid& grid, BondEnd* ends) const;    // replaces forces on nodes with added mass by accelerations
   void keep(const std::vector<OfNode>& shares, const Grid& grid);  // lays out masses_, nodes_ and without_
-  SharedList<double> mass_;                                        // of each node, for both grains
+  SharedList<double> mass_;                                        // added mass of each node, for both grains
   std::vector<EightMasses> masses_;
   SharedList<EightNodes> nodes_;
   SharedList<std::array<int, 2>> without_;  // ranges of nodes that are not constrained and have no added mass

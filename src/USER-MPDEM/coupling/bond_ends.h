@@ -25,7 +25,7 @@ struct BondEnd {
   double x[3], v[3], omega[3];
   double a[3], alpha[3];  // rates of v and omega; the expected ones of distribute() until set_accelerations()
   double jump[6];         // change of v and omega in the last step that a and alpha did not predict
-  double mass_ratio;      // see AddedMass; 0 if prescribed
+  double mass_ratio;      // inertia of the cement over that of the grain, see AddedMass; 0 if the grain is prescribed
   Mat3<double> R;         // rotation from axes fixed in the grain
   // Force and moment of the bond on the grain, about its centre.
   double force[3], torque[3];

@@ -12,8 +12,8 @@ namespace mpdem {
 
 struct EightInertias {
   const EightNodes& nodes;
-  vd inertia;  // of the nodes, with added mass
-  vd x[3];     // of the nodes
+  vd inertia;  // mass of each node with its added mass
+  vd x[3];     // positions of the nodes
 
   EightInertias(const AddedMass::EightMasses& masses, const EightNodes& nodes, const Grid& grid)
       : nodes(nodes), inertia(nodes.take_scalar(grid.mass.data()) + masses.added) {

@@ -54,7 +54,7 @@ std::vector<GridIndex> NodeSplitter::leave(PhantomNodes& copies) const {
   std::sort(nodes.begin(), nodes.end());
   for (const GridIndex& node : nodes) {
     PhantomNodes::Row row = *copies.row(node);
-    std::map<int, Left> left;  // by copy
+    std::map<int, Left> left;  // by copy of the node: what is left of it
     for_each_point(node, [&](int p) {
       Left& l = left[PhantomNodes::copy_of(row, points_[p].layer)];
       (points_[p].failed ? l.failed : l.intact).push_back(p);

@@ -11,9 +11,9 @@ namespace mpdem {
 
 namespace {
 
-constexpr int kSubSamples = 6;      // in each direction, in cut cells
-constexpr int kSharedSamples = 16;  // in each direction, in cells that neighbours cut
-constexpr int kSurfaceSamples = 6;  // in a length of one spacing, on the grains
+constexpr int kSubSamples = 6;      // samples in each direction, in cells that the surface cuts
+constexpr int kSharedSamples = 16;  // samples in each direction, in cells that a neighbouring bond cuts
+constexpr int kSurfaceSamples = 6;  // samples in a length of one spacing on the surface of a grain
 
 using Cell = std::array<int, 3>;
 

@@ -54,7 +54,7 @@ class GaussianField {
   double at(const double* x) const;  // x must be in the box
 
  private:
-  static constexpr int kReach = 4;  // of the kernel, in spacings of the lattice
+  static constexpr int kReach = 4;  // reach of the kernel, in spacings of the lattice
   double inverse_spacing_;
   std::uint64_t seed_;
   std::array<std::int64_t, 3> first_;  // node with the least indices

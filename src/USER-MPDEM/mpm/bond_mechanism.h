@@ -27,7 +27,7 @@ struct BondContext {
   Grid& grid;
   BondEnd* ends;  // the first of its two ends; the second follows it
   const BondRecord& record;
-  const SharedList<double>& added_mass;  // of the nodes, or empty
+  const SharedList<double>& added_mass;  // added mass of each node, for both grains; empty without added mass
   double dt = 0.0;                       // the step; 0: only the forces of the present state are found
   double kick = 0.0;                     // time over which the forces of this call will change the velocities
 };

@@ -46,7 +46,7 @@ class Grid {
   std::vector<Key> keys;
   SharedList<double> mass;  // lumped
   std::vector<double> velocity, displacement, force, acceleration;
-  std::vector<double> momentum;        // of the points, `updated` kinematics only
+  std::vector<double> momentum;        // momentum that points gave to the nodes; with `updated` kinematics only
   std::vector<double> inertial_force;  // (M_L - M) a, see consistent_mass.h; empty with the lumped mass alone
   ExtensionConstraints constraints;
   // Volume of each node from which its mass follows; -1 where the mass follows from the points. Empty if that is so at all nodes. See

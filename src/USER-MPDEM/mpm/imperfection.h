@@ -26,7 +26,7 @@ inline int stronger_grain(const BondRecord& record) {
 
 // Lanes of the points that were created at X in the stronger half. The middle belongs to the weaker one.
 inline vmask nearer_to_stronger_grain(const BondRecord& record, const vd* X) {
-  vd distance[2];  // from the surface of each grain
+  vd distance[2];  // distance of X from the surface of each grain
   for (int side = 0; side < 2; ++side) {
     vd square{};
     for (int d = 0; d < 3; ++d) square += (X[d] - record.centre[side][d]) * (X[d] - record.centre[side][d]);

@@ -36,8 +36,9 @@ struct MovingNodes {
   struct Constrained {
     int node, row;  // index of the node, and the row of its constraint
   };
-  std::vector<int> nodes;                      // ascending
-  std::vector<Constrained> constrained_nodes;  // of EigenvalueSystem::blocks; empty without such a list, since the grid knows all
+  std::vector<int> nodes;  // ascending
+  // Constrained nodes of EigenvalueSystem::blocks. Without such a list this is empty, since the grid knows all of them.
+  std::vector<Constrained> constrained_nodes;
 
   explicit MovingNodes(const EigenvalueSystem& system) {
     const Grid& grid = *system.grid;

@@ -258,7 +258,7 @@ class PointStress {
   int queued_blocks_ = 0, queued_points_ = 0;
   QueuedBlock queue_[kMost];
   Points vectors_[kVectors];
-  int place_[kVectors * kLanes];  // of each queued point, see enqueue()
+  int place_[kVectors * kLanes];  // place of each queued point, see enqueue()
 };
 
 }  // namespace mpdem

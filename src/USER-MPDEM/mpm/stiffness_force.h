@@ -16,8 +16,8 @@
 namespace mpdem {
 
 struct StiffPoints {
-  bool failed_as_undamaged = false;          // failed points count as undamaged
-  const std::vector<int>* blocks = nullptr;  // blocks whose points count; null: all
+  bool failed_as_undamaged = false;          // failed points have the stiffness of undamaged ones
+  const std::vector<int>* blocks = nullptr;  // blocks whose points K has; null: all
 };
 
 // out -= K x: adds the internal force due to a displacement x, three numbers per node. x must have the values of

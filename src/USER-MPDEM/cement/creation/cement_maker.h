@@ -111,7 +111,7 @@ class CementMaker {
   struct Batch {
     std::size_t from, to;
     std::vector<BondRecord> records;
-    std::vector<char> kept;  // of each bond: 0 if it is left out
+    std::vector<char> kept;  // for each bond: 0 if it is left out
   };
   struct Overlap {
     std::size_t bond;

@@ -31,7 +31,7 @@ using GrainTags = std::pair<int, int>;  // a pair of tags, ascending
 struct CementRequest {
   std::vector<ShapeWords> shapes;
   std::string file;     // file from which points are read; empty: points are made of shapes
-  double attach = 0.0;  // with a file, see PointFileOptions
+  double attach = 0.0;  // PointFileOptions::attach; used with a file only
   double spacing = 0.0, density = 0.0;
   enum Inner {
     usual,

@@ -55,8 +55,8 @@ struct PointCloud {
   // `corner` if there is none.
   bool regular = false;
   Vector3 lattice = Vector3::Zero();
-  double largest_volume = 0;  // of a point
-  double volume = 0;          // of all points
+  double largest_volume = 0;  // largest volume of a point
+  double volume = 0;          // sum over all points
   double thickness = 0;       // largest thickness of the cement, see BondRecord::thickness
   double attached_area[2] = {0, 0};
   // Grains of other pairs that the file has, ascending, with the number of the first line that names each.

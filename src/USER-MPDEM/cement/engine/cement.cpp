@@ -303,7 +303,7 @@ void Cement::advance() {
   scene_.timer.stop();
 }
 
-// As at the start of a run, so that a run divided at this step gives the same result.
+// Finds the forces in the way of the start of a run, so that a run divided at this step gives the same result.
 void Cement::find_forces_anew() {
   scene_.grains.restore_loads();
   scene_.grains.distribute(scene_.bonds());

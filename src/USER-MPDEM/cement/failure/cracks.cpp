@@ -185,7 +185,7 @@ bool Cracks::add_bonds(std::size_t rows) {
 
 void Cracks::forget_cement(int row) {
   if (static_cast<std::size_t>(row) >= states_.size()) return;
-  states_[row].broken_seen = 0.0;  // as there is nothing to be seen
+  states_[row].broken_seen = 0.0;  // without points there is nothing to be seen
   states_[row].path.clear();
 }
 
@@ -348,7 +348,7 @@ std::vector<Cracks::LigamentReport> Cracks::find_ligaments(MPI_Comm comm, const 
     if (const Bond* bond = bonds.find(row)) {
       const Film::Areas film = bond->film.areas();
       const double face = bonds.table[row].spacing * bonds.table[row].spacing;
-      found[kWords * b] += film.intact / face;  // as points across the line of centres would count
+      found[kWords * b] += film.intact / face;  // the number of lattice points that would fill this area
       found[kWords * b + 1] += film.all() / face;
       for (int g = 0; g < 2; ++g) found[kWords * b + 2 + g] += film.at_grain[g];
       found[kWords * b + 4] += film.inside + film.intact;

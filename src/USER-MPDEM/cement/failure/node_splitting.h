@@ -75,8 +75,8 @@ class NodeSplitting {
   // ascending, the same on all ranks.
   virtual void remove_volume(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows);
 
-  // For restart files. rows_to_keep() returns the rows of the bonds that this rank examines, restore() takes those of
-  // all bonds.
+  // These two are for restart files. rows_to_keep() returns the rows of the bonds that this rank examines, restore() takes
+  // those of all bonds.
   std::map<Key, PhantomNodes::Row> rows_to_keep(MPI_Comm comm) const;
   void restore(std::size_t bonds, std::map<Key, PhantomNodes::Row> rows) {
     rows_.clear();
@@ -142,8 +142,8 @@ class NodeSplitting {
   void find_dependents(Row& row) const;
   NewLayersOfBonds apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const std::vector<NodeChange>& changes);
 
-  std::unordered_map<int, Row> rows_;          // of bonds of which something is stored
-  std::vector<Known> known_;                   // of all bonds
+  std::unordered_map<int, Row> rows_;          // rows of bonds of which something is stored
+  std::vector<Known> known_;                   // for each bond of the table
   std::map<Key, PhantomNodes::Row> restored_;  // rows of a restart file until start(), by the node of layer 0
   bool is_restored_ = false;
 };

@@ -10,7 +10,7 @@ namespace {
 
 // Nodes of points that move to a new layer take over the motion of the nodes that these points had.
 void add_sources(const Bond& bond, int support, NewLayers& layers) {
-  int block = -1, layer = -1;  // of the last point: points of a block mostly move together
+  int block = -1, layer = -1;  // block and layer of the last point; points of a block mostly move together
   for (const auto& p : layers.layer_of_slot) {
     if (p.first / kLanes == block && p.second == layer) continue;
     block = p.first / kLanes;

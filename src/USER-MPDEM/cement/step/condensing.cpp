@@ -294,7 +294,7 @@ void Condensing::condense_again() {
     b->average = DriveAverage();  // it would keep its lists as long as the bond is condensed
   }
   const std::vector<BondedGrains::OwnedEnd> owned = grains.owned();
-  BondEnds ends = grains.ends;  // as indexed by `lost_momentum`; rebind_ends() drops the ends of condensed bonds
+  BondEnds ends = grains.ends;  // copy with the order of `lost_momentum`; rebind_ends() drops the ends of condensed bonds
   scene_.bonds().resolved_changed();
   layout_manager_.lay_out(rows, {}, {});
   grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.scaled_density, {});

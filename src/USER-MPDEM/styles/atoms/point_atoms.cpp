@@ -67,7 +67,7 @@ class RigidBody {
     turned_ = product(rotation_of(grain_.q), transpose(rotation_of(record.orientation[0])));
   }
   void find(const double* X, double* x, double* v) const {
-    std::array<double, 3> r[2];  // from the centres of the grains
+    std::array<double, 3> r[2];  // position from the centre of each grain
     for (int s = 0; s < 2; ++s) {
       double arm[3];
       for (int d = 0; d < 3; ++d) arm[d] = X[d] - record_.centre[s][d];

@@ -44,8 +44,8 @@ using mpdem::Vector3;
 
 namespace {
 constexpr double kLeastLeftOut = 0.05, kMostLeftOut = 0.9;  // limits of 'inner share'
-constexpr double kManyLeftOut = 0.2;                        // of the bonds, above which it warns
-constexpr double kMostShift = 1000.0;                       // of the origin of the grid, in spacings
+constexpr double kManyLeftOut = 0.2;                        // it warns if more than this share of the bonds is left out
+constexpr double kMostShift = 1000.0;                       // largest shift of the origin of the grid, in spacings
 
 // All keywords. Those of shapes come once each.
 std::vector<std::string> command_keywords() {

@@ -228,7 +228,7 @@ void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
 // Stops if the stiffness k turns the rounding of positions into a stress that matters beside those of the cement. `most` is
 // the stiffness at which an error of rounding is a stress of kMostStrain C33, but at least that of `auto`.
 void FixMpmCouple::check_rounding(const char* keyword, double given, double per_length) const {
-  constexpr double kMostStrain = 1e-6;  // of cement under the stress of a rounding error
+  constexpr double kMostStrain = 1e-6;  // largest strain of the cement due to a rounding error
   double far = 0.0;
   for (int d = 0; d < 3; ++d) far = std::max({far, std::fabs(domain->boxlo[d]), std::fabs(domain->boxhi[d])});
   const double C33 = cement_->law().elasticity().C33, cell = cement_->cell(), length = 1.0 / per_length;
