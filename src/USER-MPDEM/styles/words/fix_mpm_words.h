@@ -24,10 +24,10 @@ constexpr double kMostDamping = 100.0;  // largest damping that a script may set
 struct ParsedOptions {
   CementOptions options;
   CementLawWords law_words;
-  std::shared_ptr<Law> law;                   // made of them
+  std::shared_ptr<Law> law;                   // law of material 0, made of law_words
   double step_fraction = 0.0;                 // share of the stable step; 0: the script sets the step
   std::string events;                         // name of the file of events, or empty
-  double kinetic_share = kUsualKineticShare;  // above which fix mpm warns; 0: never
+  double kinetic_share = kUsualKineticShare;  // fix mpm warns above this kinetic share; 0: never
   bool needs_coupling = true;                 // stop if there is no fix mpm/couple?
   std::vector<std::string> notes;             // messages on keywords that have no effect any more
   std::vector<SceneOption> said;              // all keywords with values, for word_rules.h
