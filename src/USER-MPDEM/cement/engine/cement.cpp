@@ -154,7 +154,9 @@ void Cement::read_commanded_velocities() {
   if (!scene_.penalty || !grains.find_commands(scene_.comm, condensed_.pack())) return;
   scene_.energy.do_work(condensed_.work_of_commands(scene_.bonds(), scene_.dt_last));
   if (added_.any()) {
-    // Work of forces on the nodes, in the second half of the last step, on the velocity kick() times the acceleration.
+    // A command changes accelerations through the added mass, so forces on the nodes do another work in the second half of
+    // the last step. work() is the part of this work that depends on the accelerations: on the velocity kick() times the
+    // acceleration.
     const auto work = [&](auto of_bond) {
       double sum = 0.0;
       for (const Bond& b : scene_.bonds().resolved()) sum += of_bond(b, b.grid.acceleration);
@@ -179,7 +181,7 @@ void Cement::start_run() {
   if (scene_.penalty && scene_.rows_started < static_cast<int>(scene_.bonds().table.size()))
     grains.start_added_mass(scene_.comm, scene_.bonds(), scene_.rows_started, added_.any(), scene_.energy);
   condensed_.follow(grains, scene_.weight().data());
-  std::vector<std::vector<double>> before;
+  std::vector<std::vector<double>> before;  // accelerations of the last run
   const bool new_step = scene_.rows_started > 0 && scene_.now.dt != scene_.dt_last;
   if (new_step)
     for (const Bond& b : scene_.bonds().resolved()) before.push_back(b.grid.acceleration);
@@ -205,8 +207,9 @@ void Cement::correct_half_kicks(const std::vector<std::vector<double>>& accelera
   }
 }
 
-// Shifts the velocities of new bonds back by half a step. Their energy counts from here, with the work of the first
-// half step, which is ahead.
+// Shifts the velocities of new bonds back by half a step, as central differences store them. The energy of new bonds is
+// counted from here, with the work of the first half step, which is counted in advance. The kinetic energy is the one
+// that central differences conserve: the product of the velocities half a step before and after.
 void Cement::start_bonds() {
   const int rows = static_cast<int>(scene_.bonds().table.size());
   if (scene_.rows_started == rows) return;

@@ -27,14 +27,14 @@ NewLayersOfBonds SeparatePieces::start(MPI_Comm, Bonds& bonds, const CementOptio
   return {};
 }
 
-NodeSplitting::Found SeparatePieces::split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds came) {
-  for (auto p = came.pieces.begin(); p != came.pieces.end();) {
+NodeSplitting::Found SeparatePieces::split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds separated) {
+  for (auto p = separated.pieces.begin(); p != separated.pieces.end();) {
     std::vector<PointOfPiece>& points = p->second;
     points.erase(std::remove_if(points.begin(), points.end(), [](const PointOfPiece& point) { return point.piece == point.layer; }),
                  points.end());
-    p = points.empty() ? came.pieces.erase(p) : std::next(p);
+    p = points.empty() ? separated.pieces.erase(p) : std::next(p);
   }
-  Found found = NodeSplitting::split_pieces(comm, bonds, options, std::move(came));
+  Found found = NodeSplitting::split_pieces(comm, bonds, options, std::move(separated));
   for (auto& p : found.layers) add_sources(*bonds.find(p.first), support(options.basis), p.second);
   return found;
 }
