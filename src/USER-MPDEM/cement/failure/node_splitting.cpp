@@ -323,12 +323,13 @@ NodeChange NodeSplitting::separate(int row, const std::vector<PointOfPiece>& pie
   return change;
 }
 
-NodeSplitting::Found NodeSplitting::split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds separated) {
+NodeSplitting::Found NodeSplitting::split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options,
+                                                 SeparatedBonds newly_separated) {
   Found found;
-  found.lay_out = std::move(separated.rows);
+  found.lay_out = std::move(newly_separated.rows);
   const int n = static_cast<int>(bonds.table.size());
   std::vector<char> wanted(n, 0), changed(n, 0);
-  for (const auto& p : separated.pieces) wanted[p.first] = row(p.first).lattice ? kHasLattice : kToCollect;
+  for (const auto& p : newly_separated.pieces) wanted[p.first] = row(p.first).lattice ? kHasLattice : kToCollect;
   MPI_Allreduce(MPI_IN_PLACE, wanted.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
   for (Bond& bond : bonds)
     if (wanted[bond.row])
@@ -340,8 +341,8 @@ NodeSplitting::Found NodeSplitting::split_pieces(MPI_Comm comm, Bonds& bonds, co
     if (!wanted[r]) continue;
     rows.push_back(r);
     changes.emplace_back();
-    const auto p = separated.pieces.find(r);
-    if (p == separated.pieces.end()) continue;
+    const auto p = newly_separated.pieces.find(r);
+    if (p == newly_separated.pieces.end()) continue;
     changes.back() = separate(r, p->second, options);
     changed[r] = !changes.back().moved.empty() || !changes.back().rows.empty();
   }

@@ -67,7 +67,7 @@ class NodeSplitting {
     std::map<int, std::vector<PointOfPiece>> pieces;  // points of bonds with pieces to separate, on the examining ranks
   };
   // Collective. Separates the nodes of the pieces of these bonds.
-  virtual Found split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds separated);
+  virtual Found split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds newly_separated);
   // Collective. Fetches the phantom nodes of bonds whose points came to this rank.
   virtual void fetch_copies(MPI_Comm comm, const Bonds& bonds);
 
@@ -108,8 +108,7 @@ class NodeSplitting {
   // The next node of the start in a direction (see EdgeNodes), or kNoNode.
   Key next(const Key& at_start, int direction) const;
   // Volumes of the copies at these nodes of one bond: 0 for a node that is not the representative of its copy, -1 for a
-  // node that is not split. The list is empty if the masses of all nodes follow from
-  // the volumes of the points.
+  // node that is not split. The list is empty if the masses of all nodes follow from the volumes of the points.
   std::vector<double> volumes(const std::vector<Key>& keys, const CementOptions& options) const;
   // Constraints of a grid with these nodes.
   virtual std::vector<ExtensionConstraint> constraints(const std::vector<Key>& keys) const;

@@ -27,14 +27,15 @@ NewLayersOfBonds SeparatePieces::start(MPI_Comm, Bonds& bonds, const CementOptio
   return {};
 }
 
-NodeSplitting::Found SeparatePieces::split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds separated) {
-  for (auto p = separated.pieces.begin(); p != separated.pieces.end();) {
+NodeSplitting::Found SeparatePieces::split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options,
+                                                  SeparatedBonds newly_separated) {
+  for (auto p = newly_separated.pieces.begin(); p != newly_separated.pieces.end();) {
     std::vector<PointOfPiece>& points = p->second;
     points.erase(std::remove_if(points.begin(), points.end(), [](const PointOfPiece& point) { return point.piece == point.layer; }),
                  points.end());
-    p = points.empty() ? separated.pieces.erase(p) : std::next(p);
+    p = points.empty() ? newly_separated.pieces.erase(p) : std::next(p);
   }
-  Found found = NodeSplitting::split_pieces(comm, bonds, options, std::move(separated));
+  Found found = NodeSplitting::split_pieces(comm, bonds, options, std::move(newly_separated));
   for (auto& p : found.layers) add_sources(*bonds.find(p.first), support(options.basis), p.second);
   return found;
 }
