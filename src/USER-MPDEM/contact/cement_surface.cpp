@@ -14,7 +14,7 @@ namespace {
 
 using Cell = std::array<int, 3>;
 
-// Which cells of the lattice have a point of side 0 or 1: two bits for each cell of a box.
+// Lattice cells that have a point of each side: one bit a side in a box of cells.
 struct OccupiedCells {
   Cell low{}, size{};
   std::vector<unsigned char> sides;

@@ -26,7 +26,7 @@ namespace mpdem {
 
 enum class MassOf { all_points, unfailed_points };
 
-// out += scale M field for the points of this rank, three numbers per node. Constrained nodes pass theirs on to their mass receivers.
+// out += scale M field for the points of this rank, three numbers a node. Constrained nodes pass theirs on to their mass receivers.
 void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale,
                          const std::vector<double>& field, std::vector<double>& out);
 

@@ -13,9 +13,9 @@
 
 namespace mpdem {
 
-// Three functions that set lists of the store for all points of the bond with this record. The store must know its law.
-// find_softening() finds the softening by position, find_scatter() the drawn factors. scatter_softening() changes the
-// softening by the drawn energies; call it after find_softening().
+// These set columns of the store for all points of the bond with this record. The store must know its law.
+// find_softening(): the softening by position. find_scatter(): factors. scatter_softening(): softening for the drawn energies,
+// call it after find_softening().
 void find_softening(PointStore& points, const BondRecord& record);
 void find_scatter(PointStore& points, const BondRecord& record);
 void scatter_softening(PointStore& points, const BondRecord& record);

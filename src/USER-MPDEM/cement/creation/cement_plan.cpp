@@ -241,7 +241,7 @@ double CementPlan::content_of(const ShapeWords& words, const PlannedBond& bond) 
 
 std::pair<double, double> CementPlan::content_bounds(const PlannedBond& bond) const {
   const double to_content = wish_.density / (bond.grain[0].mass + bond.grain[1].mass);
-  // No shape holds this volume, over two hundred times that of the grains. The error has the bounds.
+  // more than both grains hold
   const double too_much = 1e3 * (std::pow(bond.pair.R1, 3) + std::pow(bond.pair.R2, 3));
   for (const ShapeWords& w : wish_.shapes) {
     if (!w.given.count("content")) continue;

@@ -142,8 +142,8 @@ class NodeSplitting {
   void find_dependents(Row& row) const;
   NewLayersOfBonds apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const std::vector<NodeChange>& changes);
 
-  std::unordered_map<int, Row> rows_;          // rows of bonds of which something is stored
-  std::vector<Known> known_;                   // for each bond of the table
+  std::unordered_map<int, Row> rows_;          // of bonds of which something is stored
+  std::vector<Known> known_;                   // of all bonds
   std::map<Key, PhantomNodes::Row> restored_;  // rows of a restart file until start(), by the node of layer 0
   bool is_restored_ = false;
 };

@@ -36,9 +36,9 @@ class CementContacts {
 
   LAMMPS_NS::LAMMPS* lmp_;
   LiggghtsWalls walls_;
-  std::vector<int> atoms_;           // indices of the grains of this rank
-  std::vector<ContactBody> bodies_;  // bodies of these grains, in the same order
-  // What a bond was like when its surface was made: it is made again when this changes.
+  std::vector<int> atoms_;           // of the grains of this rank
+  std::vector<ContactBody> bodies_;  // in the same order
+  // Of each bond, when its surface was taken.
   struct Taken {
     bool apart = false;
     int points = 0;

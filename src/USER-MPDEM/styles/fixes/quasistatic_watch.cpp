@@ -13,9 +13,9 @@
 namespace mpdem {
 
 namespace {
-constexpr double kCalm = 0.1;           // there is almost no motion if the kinetic share is below this times its limit
-constexpr double kDamaged = 0.1;        // cement has begun to break once damage has dissipated this share of the energy put in
-constexpr std::size_t kSharesKept = 3;  // the measure is the median over this number of checks
+constexpr double kCalm = 0.1;           // kinetic share over its limit, below which there is almost no motion
+constexpr double kDamaged = 0.1;        // energy that damage has dissipated, over that of the cement
+constexpr std::size_t kSharesKept = 3;  // checks whose median counts
 }  // namespace
 
 void QuasistaticWatch::start_run(Cement& c, bool any_failed) {
@@ -41,9 +41,7 @@ double QuasistaticWatch::median_share() const {
   return *middle;
 }
 
-// Warns if cement began to break since the last check, in a motion that is not quasi-static. The median is that of the checks
-// before, without this one: failure itself causes motion. At the first check only the share at the start of the run is
-// known before it, so the share of this check counts, too.
+// Failure before the first check is judged with the share at that check.
 void QuasistaticWatch::check(Cement& c) {
   if (limit_ == 0.0 || reported_flag_ || lmp_->update->ntimestep == at_) return;
   const Report::EnergyShares now = c.report().energy_shares();

@@ -45,7 +45,7 @@ class QuasistaticWatch {
   bool damaged_ = false;                    // damage has dissipated a tenth of the energy
   bool calm_ = false;                       // no failure since there was almost no motion
   bool reported_flag_ = false;
-  std::vector<double> shares_;  // kinetic shares at the last checks
+  std::vector<double> shares_;  // at the last checks
   bigint at_ = 0;               // step of the last of them
 };
 
