@@ -126,7 +126,7 @@ std::vector<CementPiece> pieces_of(const BondRecord& record, int row, const std:
       size += from_grain[d] * from_grain[d];
       size_of_out += out[d] * out[d];
     }
-    // Empty places on opposite sides cancel out. The only direction left is that away from the grain.
+    // empty places on opposite sides leave no direction but that away from the grain
     constexpr double kClear = 0.5;
     const bool clear = std::sqrt(size_of_out) > kClear;
     const Mat3<double> R = rotation_of(record.orientation[p.side]);
