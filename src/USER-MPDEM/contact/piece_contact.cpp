@@ -36,7 +36,7 @@ struct PieceContact::Touch {
 
 void PieceContact::replace(const std::vector<int>& rows, std::vector<std::vector<CementPiece>> pieces) {
   const auto replaced = [&](int row) { return std::binary_search(rows.begin(), rows.end(), row); };
-  // the groups refer to the pieces by their places, which change
+  // The groups refer to the pieces by their places, which change.
   std::vector<KnownSlips> kept = std::move(kept_);
   kept_.clear();
   for (const KnownSlips& k : list_.closed(pieces_)) kept.push_back(k);

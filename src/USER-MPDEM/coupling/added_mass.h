@@ -12,8 +12,8 @@
 //
 // A free grain moves under the load of its links, and then the node's own mass does part of the work of c. For any t
 //   (u - R)^2 <= (1 + t) u^2 + (1 + 1/t) R^2.
-// So links to a free grain count (1 + t)-fold, with t the mass of the cement over the inertia of the grain against it
-// (`mass_ratio`). The kinetic energy of the grain then covers the rest. grain_accelerations.h has the accelerations of
+// So the stiffness of links to a free grain is multiplied by 1 + t, with t the mass of the cement over the inertia of the
+// grain (`mass_ratio`). The kinetic energy of the grain then covers the rest. grain_accelerations.h has the accelerations of
 // free grains.
 #ifndef MPDEM_COUPLING_ADDED_MASS_H
 #define MPDEM_COUPLING_ADDED_MASS_H
@@ -48,10 +48,10 @@ class AddedMass {
   // Added mass of a node, due to links on any rank.
   struct OfNode {
     int node;
-    double mass[2];  // of the links to each grain
+    double mass[2];  // added mass due to the links to each grain
   };
   std::vector<OfNode> shares() const;
-  // Shares of eight nodes, one a lane. EightNodes has the data that bonds of one shape share.
+  // Added mass of eight nodes, one per lane. Bonds of one shape have the rest in common, which is in EightNodes.
   struct EightMasses {
     vd mass[2];  // 0 in the lanes beyond the last share; these lanes have the node of the first share
     vd added;    // added mass of the nodes, for both grains
@@ -74,8 +74,9 @@ class AddedMass {
   // grain: the force for this is added to the nodes, and its reaction to the grains, before their sum over ranks.
   void accelerate(Grid& grid, BondEnd* ends) const;
   // Added mass follows the jumps of its grains as it follows their accelerations: a node of mass m takes the share c/(m
-  // + c) of a jump. Adds `rate` times this share to the accelerations, and grain_rate times the reaction to the jump
-  // forces on the grains; both are 1/time. weight: acceleration by gravity that acts on the mass of nodes.
+  // + c) of a jump. Adds this share times `rate` to the accelerations of nodes, and its reaction times grain_rate to the
+  // jump forces on the grains. A rate is one over the time in which the change of velocity takes place. weight:
+  // acceleration by gravity that acts on the mass of nodes.
   struct Followed {
     double of_weight = 0.0, of_inertial_force = 0.0;  // power of these forces on the changes of velocity, on nodes that this rank counts
   };
@@ -107,7 +108,7 @@ class AddedMass {
  private:
   void accelerate_with_grains(Grid& grid, BondEnd* ends) const;    // replaces forces on nodes with added mass by accelerations
   void keep(const std::vector<OfNode>& shares, const Grid& grid);  // lays out masses_, nodes_ and without_
-  SharedList<double> mass_;                                        // of each node, for both grains
+  SharedList<double> mass_;                                        // added mass of each node, for both grains
   std::vector<EightMasses> masses_;
   SharedList<EightNodes> nodes_;
   SharedList<std::array<int, 2>> without_;  // ranges of nodes that are not constrained and have no added mass

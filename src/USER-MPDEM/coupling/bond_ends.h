@@ -25,7 +25,7 @@ struct BondEnd {
   double x[3], v[3], omega[3];
   double a[3], alpha[3];  // rates of v and omega; the expected ones of distribute() until set_accelerations()
   double jump[6];         // change of v and omega in the last step that a and alpha did not predict
-  double mass_ratio;      // see AddedMass; 0 if prescribed
+  double mass_ratio;      // inertia of the cement over that of the grain, see AddedMass; 0 if the grain is prescribed
   Mat3<double> R;         // rotation from axes fixed in the grain
   // Force and moment of the bond on the grain, about its centre.
   double force[3], torque[3];
@@ -68,7 +68,7 @@ class BondEnds {
   // Collective. Sums force and torque over the copies.
   void sum_forces();
   void sum_sudden_forces();  // sums the forces of jumps and transfers over the copies; collective
-  // Collective. Sums values over the copies of each end, `width` numbers an end.
+  // Collective. Sums values over the copies of each end, `width` numbers per end.
   void sum(double* values, int width) { halo_.sum(values, width); }
   // Index in `ends` of each owned key.
   const std::vector<int>& owned() const { return owned_at_; }

@@ -14,8 +14,8 @@ namespace mpdem {
 
 struct Coat {
   int grain = 0;                      // ID
-  double radius = 0, mass = 0;        // of the bare grain, m, kg
-  double thickness = 0, density = 0;  // of the shell, m, kg/m3
+  double radius = 0, mass = 0;        // radius and mass of the bare grain, m, kg
+  double thickness = 0, density = 0;  // thickness and density of the shell, m, kg/m3
   bool at_walls = true;               // walls touch the shell; false: they touch the bare grain
 
   double outer() const { return radius + thickness; }

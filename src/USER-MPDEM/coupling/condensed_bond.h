@@ -41,7 +41,7 @@ struct CondensedModel {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
-  Vector3 middle = Vector3::Zero();  // of the contact at the creation, from the origin of the bond
+  Vector3 middle = Vector3::Zero();  // middle of the contact at creation, from the origin of the bond
   Matrix6 K = Matrix6::Zero();
   Matrix12 M = Matrix12::Zero();
   Eigen::Matrix<double, 12, 9> N = Eigen::Matrix<double, 12, 9>::Zero();  // its columns follow the rows of a 3 by 3 matrix

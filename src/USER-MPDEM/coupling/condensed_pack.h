@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // The condensed bonds of a rank in a step: those of the grains that it owns, and those of which it has points. Eight
-// bonds lie side by side, one a lane. One pass over them finds all loads and masses. The equations are in
+// bonds lie side by side, one per lane. One pass over them finds all loads and masses. The equations are in
 // condensed_bond.h.
 //
 // Grains have slots here: the grains that this rank owns, and the other grains of its bonds, whose owners send their

@@ -75,7 +75,7 @@ class CrackFaces : public BondMechanism {
     double force[3];  // force on the second node
     double too_far;   // slip of a pair that would touch if it had not slid too far; else 0
   };
-  // tie: row of each node in the constraints, -1 if it is free
+  // tie: row of each node in the constraints, or -1 if it is free.
   void find_pairs(const Grid& grid, const KeyOf& at_start, const std::vector<int>& tie);
   void find_normals(const PointStore& points, Grid& grid);
   void add_pair_force(Pair& p, Grid& grid, const double* mass, double kick, double dt);
@@ -84,7 +84,7 @@ class CrackFaces : public BondMechanism {
   int touching_ = 0;
   std::vector<Pair> pairs_;                // sorted by grid index
   std::vector<int> blocks_;                // blocks that have nodes of pairs
-  std::vector<double> gradient_, volume_;  // G and V of the formula, three numbers and one number a node
+  std::vector<double> gradient_, volume_;  // G and V of the formula, three numbers and one number per node
 };
 
 }  // namespace mpdem

@@ -85,9 +85,9 @@ class DebondedContact : public BondMechanism {
 
   // A contact point whose material point failed, and what it transfers to an intact point.
   struct OrphanedContact {
-    int row, grain, tag;      // of the point that failed
+    int row, grain, tag;      // row of the bond; tags of the grain and of the point that failed
     double area, X[3], n[3];  // X: position on the surface of the grain in the reference, n: its normal
-    double spacing;           // of the points
+    double spacing;           // spacing of the points of the bond
   };
   // orphans(): contact points whose material points failed. They stay in the store until move() removes them. There are
   // none if take_topology_change() is false: no point failed and no link debonded since its last call.
@@ -107,7 +107,7 @@ class DebondedContact : public BondMechanism {
   struct Arrival {
     OrphanedContact orphan;
     int slot;
-    double share;  // of the area
+    double share;  // share of the area of the contact point that goes to this slot
   };
   double move(PointStore& points, const BondRecord& record, const Grid& grid, const BondEnd* ends, const std::vector<Arrival>& arrivals,
               std::vector<std::array<int, 2>> gone);  // tag and grain

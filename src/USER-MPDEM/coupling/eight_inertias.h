@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Inertia and positions of eight nodes with added mass, one a lane, for loops over all added mass in every step.
+// Inertia and positions of eight nodes with added mass, one per lane, for loops over all added mass in every step.
 #ifndef MPDEM_COUPLING_EIGHT_INERTIAS_H
 #define MPDEM_COUPLING_EIGHT_INERTIAS_H
 
@@ -12,8 +12,8 @@ namespace mpdem {
 
 struct EightInertias {
   const EightNodes& nodes;
-  vd inertia;  // of the nodes, with added mass
-  vd x[3];     // of the nodes
+  vd inertia;  // mass of each node with its added mass
+  vd x[3];     // positions of the nodes
 
   EightInertias(const AddedMass::EightMasses& masses, const EightNodes& nodes, const Grid& grid)
       : nodes(nodes), inertia(nodes.take_scalar(grid.mass.data()) + masses.added) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Eight nodes of a grid, one a lane, for loops over many nodes of a bond in every step.
+// Eight nodes of a grid, one per lane, for loops over many nodes of a bond in every step.
 #ifndef MPDEM_COUPLING_EIGHT_NODES_H
 #define MPDEM_COUPLING_EIGHT_NODES_H
 

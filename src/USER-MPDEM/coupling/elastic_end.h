@@ -25,7 +25,7 @@
 // links debond only their chunks are computed anew, so S is a function of the links that are attached, and not of their history.
 //
 // Vectors of modes have three numbers a scalar mode. They are in the axes of the patch, which rotate with the grain. Links
-// are in blocks of eight, one a lane.
+// are in blocks of eight, one per lane.
 #ifndef MPDEM_COUPLING_ELASTIC_END_H
 #define MPDEM_COUPLING_ELASTIC_END_H
 

@@ -15,7 +15,7 @@
 
 namespace mpdem {
 
-// Sums over columns, one column a lane.
+// Sums over columns, one column per lane.
 struct Film::Loads {
   vd force[3] = {}, torque[2][3] = {};  // force: on grain 1. torque: of the forces, about the centres
   Mat3<vd> moment = {};                 // -V P

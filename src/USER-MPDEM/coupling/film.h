@@ -126,7 +126,7 @@ class Film {
   };
   Rotations turns(const BondEnd* ends) const;
   // Finds the deformation gradient F of the columns of block b, and vectors r from the centres of the grains to x_0 and
-  // x_1, with the openings of the faces. r has one entry a grain.
+  // x_1, with the openings of the faces. r has one entry per grain.
   void deform(std::size_t b, const Rotations& t, const BondEnd* ends, vd (*r)[3], Mat3<vd>& F) const;
   struct Loads;
 

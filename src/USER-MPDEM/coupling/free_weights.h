@@ -58,8 +58,8 @@ class FreeWeights {
     weight_[node] += weight;
   }
   const ExtensionConstraints& ties_;
-  std::vector<int> row_;        // of each node, see ExtensionConstraints::row()
-  std::vector<double> weight_;  // of each node
+  std::vector<int> row_;        // for each node, ExtensionConstraints::row()
+  std::vector<double> weight_;  // for each node, the sum of weights so far
   std::vector<char> used_;
   std::vector<int> nodes_;  // nodes with a weight
 };

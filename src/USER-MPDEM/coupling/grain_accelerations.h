@@ -95,7 +95,7 @@ class GrainAccelerations {
  private:
   // Numbers of an end that are summed over ranks: force and moment, moments of c (1 - c/N), and moments of c0 c1/N.
   static constexpr int kWidth = 6 + 2 * MassMoments::kSize, kPadded = (kWidth + kLanes - 1) / kLanes * kLanes;
-  // Eight grains, one a lane. D: matrix of the free components. free: 1 or 0. given: prescribed acceleration, or 0. now,
+  // Eight grains, one per lane. D: matrix of the free components. free: 1 or 0. given: prescribed acceleration, or 0. now,
   // before: the last two iterates.
   struct Unknowns {
     vd D[kSym6], inverse[kSym6];
@@ -111,7 +111,7 @@ class GrainAccelerations {
                 const CondensedPack& condensed, bool loads_of_condensed);
   void sweep(double omega, bool first, const BondEnds& ends, CondensedPack& condensed);
 
-  std::vector<double> sum_;  // kWidth numbers an end
+  std::vector<double> sum_;  // kWidth numbers per end
   bool begun_ = false;
   std::vector<Unknowns> unknowns_;
   std::vector<Coupling> couplings_;

@@ -126,7 +126,7 @@ class PenaltyLinks {
   bool drop_added_mass(PointStore& points);  // returns true if some debonded links counted until now
   // Makes the blocks that a new layout would have, for unchanged points and nodes.
   void remove_dropped(const PointStore& points, const BondRecord& record);
-  // Adds the row-summed stiffness of this rank's links, and of their dampers at this time step, to two numbers a node,
+  // Adds the row-summed stiffness of this rank's links, and of their dampers at this time step, to two numbers per node,
   // one for each grain. The stiffness of links at constrained nodes goes to the masters.
   void add_stiffness(const Grid& grid, const BondEnd* ends, double dt, double* penalty) const;
 

@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Rigid motion of a grain at a position, and the load on the grain of a force there. r is the vector from the centre of
-// the grain to the position. T is a number, or the numbers of eight positions, one a lane.
+// the grain to the position. T is a number, or the numbers of eight positions, one per lane.
 #ifndef MPDEM_COUPLING_RIGID_MOTION_H
 #define MPDEM_COUPLING_RIGID_MOTION_H
 

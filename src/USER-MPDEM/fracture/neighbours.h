@@ -16,14 +16,14 @@ namespace mpdem {
 struct CrackPoint {
   int tag;
   int cell[3];     // cell of the lattice
-  int layer;       // its layer, where the layers of the bond are pieces (bond_record.h); else 0
+  int layer;       // layer of the point, where the layers of the bond are pieces (bond_record.h); else 0
   float space[6];  // space_ahead() towards -x, +x, -y, +y, -z, +z
   float damage;    // largest eigenvalue
   bool failed;
   bool attached[2];      // attached to this grain; a failed point is residue on the grain
   double link_area[2];   // projected area of its links, debonded ones too
   float link_damage[2];  // largest damage of its links to this grain, 0 if the traction law has no damage
-  int nearer;            // its side of an unbonded gap: the grain, by nearer_grain() of bond_record.h
+  int nearer;            // grain of its side of an unbonded gap, by nearer_grain() of bond_record.h
   bool middle;           // it belongs to both sides, by is_equidistant() of bond_record.h
   float above[2];        // distance from the surface of each grain
   int connected = 3;     // bits of grains, as PointRecord::connected

@@ -268,7 +268,7 @@ bool NodeSplitter::prefers_component(int i, int a, int b) const {
     const double aside = p[1] * m[2] - p[2] * m[1];
     order[n] = {m[1] * m[1] + m[2] * m[2], std::fabs(m[0]), -std::fabs(aside), -aside, -p[0] * m[0]};
   }
-  constexpr double kAlike = 1e-6;  // in cells
+  constexpr double kAlike = 1e-6;  // smaller differences are rounding; lengths are in cells
   for (std::size_t k = 0; k < order[0].size(); ++k)
     if (std::fabs(order[0][k] - order[1][k]) > kAlike) return order[0][k] < order[1][k];
   return a < b;

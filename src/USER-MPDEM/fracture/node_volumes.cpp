@@ -23,8 +23,9 @@ double NodeSplitter::volume_at(const GridIndex& node, const std::vector<int>& po
   return sum;
 }
 
-// Shares the volume of a copy between its components. rank: components by size. The first one, rank[0], keeps the copy, and the others
-// are copies from `next` on. If the weights of all points are zero at the node, the first component gets all.
+// A copy of a node is split between the components of its points, which share its volume. rank: components by size. The
+// largest, rank[0], keeps the number `copy`, and the others get the numbers from `next` on. group: all points of the copy.
+// If the weights of all points are zero at the node, the largest component gets the whole volume.
 void NodeSplitter::share_volume(const GridIndex& node, const std::vector<int>& group, int copy, int next, const PhantomNodes& copies,
                                 const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
   double whole = -1.0, intact = 0.0;
@@ -34,27 +35,30 @@ void NodeSplitter::share_volume(const GridIndex& node, const std::vector<int>& g
   } else {
     whole = volume_at(node, group);
   }
-  std::vector<double> of;
+  std::vector<double> of_component;
   for (const std::vector<int>& c : components) {
-    of.push_back(volume_at(node, c));
-    intact += of.back();
+    of_component.push_back(volume_at(node, c));
+    intact += of_component.back();
   }
   std::map<int, double>& volumes = split_now_[node];
   for (std::size_t n = 0; n < rank.size(); ++n)
-    volumes[n == 0 ? copy : next + static_cast<int>(n) - 1] = intact > 0.0 ? whole * of[rank[n]] / intact : n == 0 ? whole : 0.0;
+    volumes[n == 0 ? copy : next + static_cast<int>(n) - 1] = intact > 0.0 ? whole * of_component[rank[n]] / intact : n == 0 ? whole : 0.0;
 }
 
+// A copy keeps the volume of its intact points. The volume of the failed points that are left is divided between the copies
+// that have points, in the ratio in which they had volume of failed points before.
 std::vector<GridIndex> NodeSplitter::leave(PhantomNodes& copies) const {
+  // The points of a copy that are left.
   struct Left {
     std::vector<int> intact, failed;   // points
-    double volume = 0.0, share = 0.0;  // volume of intact points; volume that the copy had for failed points
+    double volume = 0.0, share = 0.0;  // volume of intact points; volume that the copy had for failed points before
   };
   std::vector<GridIndex> nodes;
   for (const auto& r : copies.rows()) nodes.push_back(r.first);
   std::sort(nodes.begin(), nodes.end());
   for (const GridIndex& node : nodes) {
     PhantomNodes::Row row = *copies.row(node);
-    std::map<int, Left> left;  // by copy
+    std::map<int, Left> left;  // by copy of the node: what is left of it
     for_each_point(node, [&](int p) {
       Left& l = left[PhantomNodes::copy_of(row, points_[p].layer)];
       (points_[p].failed ? l.failed : l.intact).push_back(p);

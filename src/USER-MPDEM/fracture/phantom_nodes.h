@@ -54,7 +54,7 @@ class PhantomNodes {
     int first;      // the copy at the start from which it descends
     double volume;  // volume of the copy: its mass over the density
   };
-  using Row = std::vector<Entry>;  // of one node, ascending in layer
+  using Row = std::vector<Entry>;  // entries of one node, ascending in layer
 
   bool empty() const { return rows_.empty(); }
   const Row* row(const GridIndex& node) const;  // null if the node is whole
@@ -191,7 +191,7 @@ class NodeSplitter {
   std::vector<int> by_base_;              // points, ascending in base
   std::unordered_map<GridIndex, std::pair<int, int>, GridIndexHash, SameGridIndex> base_;  // range in by_base_ of the points with a base
   // State while a node is examined.
-  std::vector<int> component_of_;              // of each point: its component, or kOut or kIn of node_splitter.cpp
+  std::vector<int> component_of_;              // for each point: its component, or kOut or kIn of node_splitter.cpp
   const UnbondedGap* unbonded_gap_ = nullptr;  // set during start() alone
   struct Middle {
     int size;

@@ -54,7 +54,7 @@ void spread_assignments(const Neighbours& near, const std::vector<CrackPoint>& p
   }
 }
 
-// Share of a point that counts to the material of the first grain.
+// Share of a point that belongs to the material of the first grain.
 double share_of_first(int held) { return held == 1 ? 1.0 : held == 2 ? 0.0 : 0.5; }
 
 // Damage of the connection of a point to grain g: the larger one of the point and its links.

@@ -37,7 +37,7 @@ namespace mpdem {
 struct GapPoint {
   double X[3];          // centroid of the material
   int cell[3];          // cell of the lattice
-  int nearer_grain;     // its side of the gap, by nearer_grain() of bond_record.h
+  int nearer_grain;     // grain of its side of the gap, by nearer_grain() of bond_record.h
   double share;         // filled share of the cell
   bool middle = false;  // it belongs to both sides, by is_equidistant() of bond_record.h
 };

@@ -47,7 +47,7 @@ class BoxSearch {
           for (int n = begin_[b]; n < begin_[b + 1]; ++n) {
             const Box& box = boxes_[item_[n]];
             if (!box.intersects(other)) continue;
-            // Only in the first of the bins that both boxes reach.
+            // Both boxes may reach several bins in common. The box is reported in the first of them.
             const Cell start = cell(box.min());
             bool first = true;
             for (int d = 0; d < 3; ++d) first = first && here[d] == std::max(start[d], from[d]);
@@ -69,7 +69,7 @@ class BoxSearch {
   Box bounds_;
   Vector3 width_ = Vector3::Ones();
   int bins_[3] = {1, 1, 1};
-  std::vector<int> begin_, item_;  // begin_: first of item_ for each bin; item_: numbers of boxes
+  std::vector<int> begin_, item_;  // item_: numbers of the boxes of all bins, one bin after the other; begin_: where each bin begins
 };
 
 }  // namespace mpdem

@@ -11,9 +11,9 @@ namespace mpdem {
 
 namespace {
 
-constexpr int kSubSamples = 6;      // in each direction, in cut cells
-constexpr int kSharedSamples = 16;  // in each direction, in cells that neighbours cut
-constexpr int kSurfaceSamples = 6;  // in a length of one spacing, on the grains
+constexpr int kSubSamples = 6;      // samples in each direction, in cells that the surface cuts
+constexpr int kSharedSamples = 16;  // samples in each direction, in cells that a neighbouring bond cuts
+constexpr int kSurfaceSamples = 6;  // samples in a length of one spacing on the surface of a grain
 
 using Cell = std::array<int, 3>;
 
@@ -30,13 +30,15 @@ Cell lattice_cell_of(const Vector3& x, double spacing) {
 
 enum class Owner { shape, neighbour, several };
 
-// Finds the owner of the material inside the shape within `reach` of x.
+// Finds the owner of the material inside the shape within `reach` of x. A neighbour owns the material inside its own shape that
+// is nearer to its middle than to that of this shape.
 Owner owner_around(const std::vector<Neighbour>& neighbours, const Vector3& x, double reach) {
   Owner owner = Owner::shape;
   for (const Neighbour& n : neighbours) {
     const double apart = n.middle.norm();
     const double beyond = 0.5 * apart - x.dot(n.middle) / apart;  // distance from the plane half-way to the other middle
     if (beyond > reach) continue;
+    // whole: the ball of this reach is all inside or all outside of the shape of the neighbour.
     const bool whole = n.shape->clearance(n.own(x)) >= reach, inside = n.shape->inside(n.own(x));
     if (whole && !inside) continue;
     if (whole && beyond < -reach) return Owner::neighbour;
@@ -82,8 +84,8 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Neig
   double from, to;
   shape.attached_band(side, from, to);
   const double R = pair.radius(side);
-  // Right-handed frame with its pole at the contact; the second direction is chosen along
-  // a coordinate axis, so that a bond along an axis is sampled with the lattice's symmetry.
+  // Right-handed frame with its pole at the contact. The second direction is chosen along a coordinate axis, so that a bond
+  // along an axis is sampled with the symmetry of the lattice.
   const Vector3 pole = side == 0 ? pair.n : Vector3(-pair.n);
   int least = 0;
   for (int d = 1; d < 3; ++d)
@@ -104,7 +106,7 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Neig
       const double phi = 2.0 * M_PI * (j + 0.5) / around;
       const Vector3 out = std::cos(theta) * pole + std::sin(theta) * (std::cos(phi) * e1 + std::sin(phi) * e2);
       const Vector3 x = pair.centre(side) + R * out;
-      // Tested above the surface, where shapes begin.
+      // The position is tested a little above the surface, where shapes begin.
       const double part = neighbours.empty() ? 1.0 : share_at(neighbours, x + 1e-3 * spacing * out);
       const double area = part * ring_area / around;
       all += ring_area / around;
@@ -119,7 +121,7 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Neig
       patches[p].area += area;
     }
   }
-  const double attached = exact * (own / all);
+  const double attached = exact * (own / all);  // exact area of the part that neighbours do not own
   double total = 0.0;
   for (const Patch& q : patches) total += q.area;
   if (!(own > 0.0)) throw ShapeError("neighbours take all of the cement at the surface of a grain; make the shapes smaller");
@@ -163,7 +165,7 @@ void find_cells(const Shape& shape, double spacing, const Cell& from, const Cell
   }
   Cell upper = to, lower = from;
   upper[longest] = lower[longest] = (from[longest] + to[longest]) / 2;
-  if (upper[longest] == from[longest]) upper[longest] = lower[longest] = from[longest] + 1;  // negative odd sums
+  if (upper[longest] == from[longest]) upper[longest] = lower[longest] = from[longest] + 1;  // neither half may be empty
   find_cells(shape, spacing, from, upper, full, cut);
   find_cells(shape, spacing, lower, to, full, cut);
 }

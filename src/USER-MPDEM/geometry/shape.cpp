@@ -84,8 +84,9 @@ double Shape::clearance(const Vector3& x) const {
   const double r = std::sqrt(std::max(x.squaredNorm() - z * z, 0.0));
   double above[2];  // distances from the surfaces of the grains, below 0 inside
   for (int s = 0; s < 2; ++s) above[s] = std::hypot(r, z - pair_.height(s)) - pair_.radius(s);
-  // The shape is the intersection of several sets. Its distance is the largest of theirs, whatever other surfaces are
-  // near, such as those of the grains where there is no cement.
+  // The shape is an intersection of sets: below the top, outside the grains, beyond the inner radius. From outside, the
+  // distance to each set is a lower bound of the distance to the shape, so the largest of these is taken. Other surfaces
+  // that are near do not matter, such as those of grains where there is no cement.
   double apart = std::max({lowest() - z, z - highest(), -above[0], -above[1]});
   if (apart <= 0.0 && r > top(z)) apart = top_clearance(r, z);
   if (r < inner_ && between_centres(z)) apart = std::max(apart, std::min({inner_ - r, z - pair_.height(0), pair_.height(1) - z}));
@@ -130,7 +131,8 @@ double Shape::smallest_thickness() const { return std::max(pair_.thickness(inner
 
 namespace {
 
-double slice(const Shape& shape, double z) {  // area of the cross-section at height z
+// Area of the cross-section at height z.
+double slice(const Shape& shape, double z) {
   const double out = shape.top(z);
   double in2 = shape.between_centres(z) ? shape.inner() * shape.inner() : 0.0;
   for (int s = 0; s < 2; ++s) {
@@ -140,10 +142,12 @@ double slice(const Shape& shape, double z) {  // area of the cross-section at he
   return M_PI * std::max(out * out - in2, 0.0);
 }
 
+// Volume between the heights a and b by one Gauss rule.
 double rule(const Shape& shape, double a, double b) {
   return gauss_legendre([&shape](double z) { return slice(shape, z); }, a, b);
 }
 
+// The same, halved until both halves agree with the whole. rounding: rounding error of a slice.
 double adaptive(const Shape& shape, double a, double b, double whole, double tolerance, double rounding, int depth) {
   const double m = 0.5 * (a + b);
   const double left = rule(shape, a, m), right = rule(shape, m, b);

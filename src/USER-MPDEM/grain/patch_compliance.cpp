@@ -67,7 +67,7 @@ struct Integrals {
 class Compliance {
  public:
   Compliance(const SurfaceModes& modes, double nu) : modes_(modes), nu_(nu) {
-    // the width of the patch is half a wave of degree pi/width
+    // A harmonic of degree pi/width has half a wave over the width of the patch.
     const double width = modes.outer() - modes.inner();
     constexpr double kDegrees = 24.0;  // the sum over degrees ends at this over the width
     highest_ = static_cast<int>(std::ceil(kDegrees / width));

@@ -75,6 +75,7 @@ void LAMMPS::init() {
   original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS4initEv")(this);
 }
 
+// A run without a set-up calls no fix, so settings that the fixes would refuse are checked here.
 void Output::setup(int memory_is_reported) {
   const AtomVecMpdem* cement = AtomVecMpdem::of(lmp);
   if (memory_is_reported == 0 && cement && !cement->bonds.table.empty())

@@ -33,7 +33,7 @@ using LAMMPS_NS::AtomVecMpdem;
 
 struct Seal {
   char magic[8];
-  std::uint64_t length;  // of the file without the seal, bytes
+  std::uint64_t length;  // bytes of the file without the seal
   std::int64_t files;    // number of files that belong to a base file (name with '%'), else 0
   std::int64_t step;     // step at which the file was written
   std::uint64_t sum;     // checksum of the file and the members above
@@ -136,7 +136,7 @@ std::string check_seal(const std::string& name, bool& sealed, Seal& seal) {
   std::vector<char> front(std::min<std::int64_t>(size, 4096));
   if (std::fread(front.data(), 1, front.size(), f.get()) != front.size()) return "read_restart: file '" + name + "' cannot be read" + cure;
   const std::string text(front.begin(), front.end());
-  constexpr char kStyle[] = "mpdem";  // with the zero at its end, as in the file
+  constexpr char kStyle[] = "mpdem";  // the file has the zero at its end, too
   if (text.find(std::string(kStyle, sizeof kStyle)) == std::string::npos) return "";
   const std::size_t at = text.find(std::string(AtomVecMpdem::kRestartMagic, sizeof AtomVecMpdem::kRestartMagic));
   int head[AtomVecMpdem::kRestartHead];

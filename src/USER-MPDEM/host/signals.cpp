@@ -44,7 +44,7 @@ extern "C" void on_restart(int) { restart_seen = 1; }
 // Without a `restart` command LIGGGHTS sets the next restart to a past step after it wrote a requested file. Thermo
 // output and dumps would wait for that step forever.
 void keep_output_going(LAMMPS_NS::Output* output, LAMMPS_NS::bigint last_step) {
-  const mpdem::RestartSchedule restarts = mpdem::restart_schedule(output);
+  const mpdem::RestartSchedule restarts = mpdem::restart_schedule(output);  // has references to members of `output`
   if (!restarts.any) restarts.next_single = restarts.next_double = last_step + 1;
 }
 
@@ -68,7 +68,8 @@ void install_signal_handlers() {
 
 namespace LAMMPS_NS {
 
-// Called once a step by all ranks. Returning 1 makes this a step at which a restart file can be written.
+// Replaces the function of LIGGGHTS that all ranks call once a step. Returning 1 makes this a step at which a restart file can
+// be written. The flags of SignalHandler tell LIGGGHTS to write one in this step, then to quit if that was asked for.
 int Neighbor::decide() {
   static const auto decide_of_liggghts = mpdem::original<int (*)(Neighbor*)>("_ZN9LAMMPS_NS8Neighbor6decideEv");
   if (update->ntimestep % kAgreeEvery == 0) {

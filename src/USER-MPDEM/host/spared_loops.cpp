@@ -26,7 +26,7 @@ namespace {
 
 using namespace LAMMPS_NS;
 
-// The same on all ranks.
+// Are points left out of the neighbour lists (`neigh_modify include`)? The answer is the same on all ranks.
 bool points_are_excluded(LAMMPS* lmp) {
   const AtomVecMpdem* cement = AtomVecMpdem::of(lmp);
   return cement && cement->points_excluded && !cement->bonds.table.empty() && lmp->neighbor->includegroup != 0;

@@ -11,12 +11,12 @@ namespace mpdem {
 namespace {
 
 constexpr int kPerLength = 8;
-constexpr double kHalfBar = 10.0;  // in lengths
+constexpr double kHalfBar = 10.0;  // half of the length of the bar, in units of L
 constexpr int kPoints = static_cast<int>(kHalfBar * kPerLength);
 constexpr int kSteps = 60;  // steps of the damage in the middle
 constexpr double kLargestLastChange = 1e-10;
 constexpr int kMostIterations = 60;
-constexpr double kLongestStep = 0.3;  // of x and of the logarithm of the stress
+constexpr double kLongestStep = 0.3;  // longest step of x and of the logarithm of the stress
 
 // Averaging matrix of the points at i + 1/2 of a half bar, with mirror images at both ends.
 Eigen::MatrixXd kernel() {

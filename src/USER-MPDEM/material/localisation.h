@@ -44,7 +44,7 @@ struct Localisation {
 // Follows the branch to damage `cutoff` in the middle. Returns nothing if the bar does not localise at the onset, or if
 // the band is too wide for the lattice.
 std::optional<Localisation> localise(const SofteningCurve& curve, double cutoff);
-// The same with a curve that depends on the distance from the crack, in units of L.
+// Follows the branch for a curve that depends on the distance from the crack, in units of L.
 std::optional<Localisation> localise(const std::function<SofteningCurve(double)>& curve_at, double cutoff);
 
 }  // namespace mpdem

@@ -58,7 +58,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
   double growth(double) const { return 1.0; }
   double cutoff() const override { return cutoff_; }
 
-  // For uniaxial stress along a direction of modulus E. Yeq is the strain if the strains across it are not positive.
+  // Strength for uniaxial stress along a direction of modulus E. Yeq is the strain if the strains across it are not positive.
   ImpliedStrength implied_strength(double E) const override {
     const double peak = std::clamp(1.0 / Bt_, kappa0_, kappa_at_cutoff_);
     return {E * std::max(kappa0_, (1.0 - damage_at(peak)) * peak), kappa0_, kappa_at_cutoff_, E * work(kappa_at_cutoff_)};

@@ -37,7 +37,7 @@ struct ScatterRule {
   Scattered what = Scattered::strength;
   enum Distribution { weibull, lognormal } distribution = weibull;
   double parameter = 1.0;  // weibull: its modulus; lognormal: coefficient of variation
-  double length = 0.0;     // correlation length of a field; 0: one value a bond
+  double length = 0.0;     // correlation length of a field; 0: one value per bond
   int seed = 1;
 
   // The factor that belongs to a standard normal number z. Its mean is 1.
@@ -54,7 +54,7 @@ class GaussianField {
   double at(const double* x) const;  // x must be in the box
 
  private:
-  static constexpr int kReach = 4;  // of the kernel, in spacings of the lattice
+  static constexpr int kReach = 4;  // reach of the kernel, in spacings of the lattice
   double inverse_spacing_;
   std::uint64_t seed_;
   std::array<std::int64_t, 3> first_;  // node with the least indices

@@ -32,7 +32,7 @@ namespace mpdem {
 
 struct DamageParameters {
   double B0 = 0.0;         // energy per volume, above 0
-  double Dcut = 0.9;       // in (0,1)
+  double Dcut = 0.9;       // critical damage (`cutoff`), in (0, 1)
   double exponent = 0.0;   // m of the crack band, in (-1,3)
   double zeta = 1.0;       // f_t/f_c in (0,1]
   bool monotone = true;    // true: <Y>_+ drives the damage; false: Y itself

@@ -65,12 +65,12 @@ class UpdatedPass {
   std::vector<int> first_in_cell_, next_in_cell_;
   std::vector<Move> moves_, packed_;
   struct MovingPoint {
-    int node, base[3], column[kMostColumns];  // of the new cell; node is -1 if the grid has no such cell
+    int node, base[3], column[kMostColumns];  // first node, base and columns of the new cell; node is -1 if the grid has no such cell
   };
   std::vector<MovingPoint> in_transit_;
   PointStore hold_;                  // buffer for points between their old and new block
   std::vector<int> targets_;         // blocks that received points
-  std::vector<std::uint8_t> fresh_;  // of each block: lanes that received points in this step
+  std::vector<std::uint8_t> fresh_;  // for each block: lanes that received points in this step
   bool stale_ = false;
   int lost_ = 0, crossings_ = 0;
 };

@@ -16,7 +16,7 @@
 //   factors()       weights and gradients of eight points
 //   kAffine         h^2 over the second moment of the weights along an axis, sum w_I (X_I - X)^2; 0 if that moment depends on X
 //   kSteepest       maximum over t of sum_I (dN_I/dt)^2 / N_I, 0 if unbounded (eigenvalue_bound, largest_eigenvalue.h)
-//   kConstrainedBelow      a node at the edge with less than this share of the mass of the next node inside is constrained
+//   kConstrainedBelow   a node at the edge with less than this share of the mass of the next node inside is constrained
 //                   (extension_constraints.h)
 //   kMayJoinCells   true if a block may have points of several cells in a row; this does not pay with many nodes
 #ifndef MPDEM_MPM_BASIS_H
@@ -45,9 +45,9 @@ enum class Basis { linear, quadratic, cubic };  // index in the list
 constexpr int kMostColumns = Bases::kMostSupport * Bases::kMostSupport;
 
 template <class Type, class... Rest, class F>
-decltype(auto) with_index_in(BasisList<Type, Rest...>, int place, F& f) {
+decltype(auto) with_index_in(BasisList<Type, Rest...>, int index, F& f) {
   if constexpr (sizeof...(Rest) > 0) {
-    if (place > 0) return with_index_in(BasisList<Rest...>(), place - 1, f);
+    if (index > 0) return with_index_in(BasisList<Rest...>(), index - 1, f);
   }
   return f(Type());
 }
@@ -82,9 +82,9 @@ inline int support_base(double X, double inverse_h, double shift) {
   return (static_cast<int>(std::floor(X * (2.0 * inverse_h))) - static_cast<int>(2.0 * shift)) >> 1;
 }
 
-// A block may have points of several cells in a row. The code of the row is d + 3 (reach - 1), where d is its direction
-// and `reach` the offset of its last cell (1 or 2). The block has `reach` more nodes in direction d. The cell between
-// two others may have no point of the block.
+// A block may have points of two or three neighbouring cells in a row along direction d. `reach` is the number of cells
+// beyond the first, 1 or 2. The block has `reach` more nodes in direction d. Templates and BlockMeta::joined have the
+// code d + 3 (reach - 1) of the row, or kOneCell. The middle one of three cells may have no point of the block.
 constexpr int kOneCell = -1, kMostReach = 2;
 constexpr int cells_in_a_row(int d, int reach) { return reach == 0 ? kOneCell : d + 3 * (reach - 1); }
 constexpr int reach_along(int joined, int d) { return joined != kOneCell && joined % 3 == d ? 1 + joined / 3 : 0; }
@@ -96,7 +96,8 @@ inline bool may_join_cells(Basis basis) {
 // sum to one and gradients to zero. First moments, which can replace gradients, sum to zero as well.
 constexpr int kLeftOut = 1;
 
-// 1-D factors of weights and gradients for the eight points of a block.
+// 1-D factors of weights and gradients for the eight points of a block. Joined: code of its row of cells, or kOneCell. kI, kJ,
+// kK: numbers of nodes of the block in the three directions. kMost: the largest of them.
 template <class Type, int Joined = kOneCell>
 struct Weights {
   static constexpr int kSupport = Type::kSupport;

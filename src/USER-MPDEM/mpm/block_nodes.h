@@ -70,7 +70,7 @@ class BlockColumns {
   int count_;
 };
 
-// Calls f(values, columns) with the values of a nodal field, kWidth numbers a node.
+// Calls f(values, columns) with the values of a nodal field, kWidth numbers per node.
 template <int kWidth, class F>
 void with_values(const Grid& grid, const BlockMeta& m, const double* field, F f) {
   if (m.aliases == BlockMeta::kOwn) return f(field, m.column);
@@ -79,7 +79,7 @@ void with_values(const Grid& grid, const BlockMeta& m, const double* field, F f)
   f(static_cast<const double*>(own.values), static_cast<const int*>(own.column));
 }
 
-// Calls f(sums, columns), which adds to the sums of a nodal field, kWidth numbers a node.
+// Calls f(sums, columns), which adds to the sums of a nodal field, kWidth numbers per node.
 template <int kWidth, class F>
 void with_sums(const Grid& grid, const BlockMeta& m, double* field, F f) {
   if (m.aliases == BlockMeta::kOwn) return f(field, m.column);

@@ -27,7 +27,7 @@ struct BondContext {
   Grid& grid;
   BondEnd* ends;  // the first of its two ends; the second follows it
   const BondRecord& record;
-  const SharedList<double>& added_mass;  // of the nodes, or empty
+  const SharedList<double>& added_mass;  // added mass of each node, for both grains; empty without added mass
   double dt = 0.0;                       // the step; 0: only the forces of the present state are found
   double kick = 0.0;                     // time over which the forces of this call will change the velocities
 };
@@ -53,7 +53,7 @@ class BondMechanism {
   virtual void add_damping(const BondContext&) {}
   // Adds forces to nodes whose other forces are complete. Collective among the ranks that share the nodes.
   virtual void add_contact(const BondContext&) {}
-  // Adds row sums of the stiffness to two numbers a node, one for each grain, for the added mass. See PenaltyLinks::add_stiffness().
+  // Adds row sums of the stiffness to two numbers per node, one for each grain, for the added mass. See PenaltyLinks::add_stiffness().
   virtual void add_stiffness(const Grid&, const BondEnd*, double* /* penalty */) const {}
 
   // Adds the energy stored in points, and that of the coupling between them and the grains.

@@ -33,7 +33,7 @@ struct BondRecord {
   double radius[2] = {0, 0};                                // radii of the grains
   double centre[2][3] = {{0, 0, 0}, {0, 0, 0}};             // centres of the grains, from the origin
   double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // orientations of the grains at creation, to the axes of the bond
-  double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};              // from unwrapped coordinates of LIGGGHTS to those of the bond
+  double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};              // shift from unwrapped coordinates of LIGGGHTS to those of the bond
   double attached_area[2] = {0, 0};
   double grain_E[2] = {0, 0}, grain_nu[2] = {0, 0};  // elasticity of the grains; E = 0: rigid
   double patch[2][2] = {{0, 0}, {0, 0}};  // least and largest angle of the attached surface from the line of centres; 0: not known

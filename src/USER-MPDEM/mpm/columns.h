@@ -3,7 +3,7 @@
 //
 // Gradients and values at the points of a block that stand in columns, and forces of their stress (see gather.h and
 // scatter.h). Lanes 2n and 2n + 1 are the lower and the upper point of column n. All lower points are at one height,
-// and so are all upper ones. A lattice with two points a cell in each direction gives such blocks. If the columns are
+// and so are all upper ones. A lattice with two points per cell in each direction gives such blocks. If the columns are
 // also the corners of a rectangle, with n = 2a + b, the points are those of a box. Each node and direction then has two
 // different weights; across columns at any positions it has four. Lanes are summed over the points of a column, and
 // over the columns of a rectangle, as soon as the weights are known, and are split only when needed (sum factorisation

@@ -11,7 +11,7 @@
 // times that of the lumped mass. The largest eigenvalue of the step is thus at most k times that of M_L^-1 K.
 //
 // A constrained node has the mean value of its mass receivers, which carry its mass (extension_constraints.h). So the
-// row sums of M stay M_L, and momentum is conserved. The inertial force leaves out failed points, which count in the
+// row sums of M stay M_L, and momentum is conserved. The inertial force leaves out failed points, which have
 // lumped mass alone: split nodes distribute the mass of failed points otherwise (fracture/phantom_nodes.h).
 #ifndef MPDEM_MPM_CONSISTENT_MASS_H
 #define MPDEM_MPM_CONSISTENT_MASS_H
@@ -40,7 +40,7 @@ class ConsistentMass : public BondMechanism {
   std::size_t memory_usage() const override { return row_sums_.capacity() * sizeof(double); }
 
  private:
-  std::vector<double> row_sums_;  // one number a node
+  std::vector<double> row_sums_;  // one number per node
 };
 
 }  // namespace mpdem

@@ -58,7 +58,7 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, c
     of_points_.find(points, grid);
     counted_volumes_.resize(points.blocks.size());
     for (std::size_t b = 0; b < counted_volumes_.size(); ++b)
-      counted_volumes_[b] = points.blocks[b].volume * imperfection.of_root(points.created_at(static_cast<int>(b)));
+      counted_volumes_[b] = points.blocks[b].volume * imperfection.factor_on_root(points.created_at(static_cast<int>(b)));
   }
   intact_at_start_ = count;
   sum_.assign(grid.size() + ScalarSums::kRoom, 0.0);

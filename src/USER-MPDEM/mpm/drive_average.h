@@ -49,7 +49,7 @@ constexpr double kNearThreshold = 0.9;
 // weight would need the roots of the points themselves beside their means.
 struct SmoothingPasses {
   int count = 0;
-  double last_weight = 1.0;  // in (0, 1]
+  double last_weight = 1.0;  // weight theta of the last pass, in (0, 1]
   bool is_last(int k) const { return k == count - 1; }
   double weight(int k) const { return is_last(k) ? last_weight : 1.0; }
 };
@@ -105,10 +105,10 @@ class DriveAverage {
 
  private:
   bool points_fixed_ = false;
-  std::vector<double> inverse_volume_;       // one number a node
+  std::vector<double> inverse_volume_;       // one number per node
   std::vector<double> volume_, sum_, mean_;  // the same, padded, see scalar_sums.h
   bool volume_is_new_ = false;               // inverse_volume_ is not updated yet
-  std::vector<vd> counted_volumes_;          // of each block: volumes times the factor of the imperfection
+  std::vector<vd> counted_volumes_;          // for each block: volumes times the factor of the imperfection
   int intact_at_start_ = -1;                 // number of unfailed points of this rank at the last start()
   ScalarSums of_points_;
 };

@@ -95,16 +95,16 @@ class ExtensionConstraints {
     masters_.for_each(row, f);
   }
 
-  // Both add the values of constrained nodes to their masters by the weights, and zero them. Three numbers a node, or one.
+  // Both add the values of constrained nodes to their masters by the weights, and zero them. Three numbers per node, or one.
   void gather_to_masters(double* values) const;
   void gather_scalars_to_masters(double* values) const;
-  // The same with the absolute values of the weights, one number a node.
+  // Adds with the absolute values of the weights, one number per node.
   void gather_sizes_to_masters(double* values) const;
-  // The same for the mass receivers with their shares, `width` numbers a node.
+  // Adds the values of constrained nodes to their mass receivers by the shares, and zeroes them. `width` numbers per node.
   void add_to_mass_receivers(double* values, int width) const;
   // Sets each constrained node to the mean of its mass receivers, weighted by the same shares.
   void mean_of_mass_receivers(double* values, int width) const;
-  // Sets each constrained node to the value extrapolated from its masters, three numbers a node.
+  // Sets each constrained node to the value extrapolated from its masters, three numbers per node.
   void extend(double* values) const;
 
   void share(AlikeLists& alike);

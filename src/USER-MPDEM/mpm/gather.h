@@ -2,7 +2,11 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Grid to points: values and gradients of a nodal vector field at the eight points of a block. The nodes of a block are
-// columns of consecutive nodes (`column`: index of the first). The sums are contracted one direction at a time.
+// columns of consecutive nodes in the third direction (`column`: index of the first node of each). The sums are
+// contracted one direction at a time.
+//
+// Type is the type of the shape functions (basis.h). Joined is kOneCell, or the code of the row of cells of the block
+// (cells_in_a_row()).
 #ifndef MPDEM_MPM_GATHER_H
 #define MPDEM_MPM_GATHER_H
 
@@ -17,17 +21,18 @@ inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* colum
   using W = Weights<Type, Joined>;
   Mat3<vd> G;
   for (int c = 0; c < 3; ++c)
-    for (int d = 0; d < 3; ++d) G.a[c][d] = vd{};  // one by one: otherwise the compiler keeps them in memory from the start
+    for (int d = 0; d < 3; ++d) G.a[c][d] = vd{};  // `Mat3<vd> G{}` would keep the sums in memory instead of registers
   const auto add_plane = [&](int i) __attribute__((always_inline)) {
     vd A[3]{}, B[3]{}, C[3]{};
     for (int j = 0; j < W::kJ; ++j) {
       const double* p = nodal + 3 * static_cast<long>(column[W::kJ * i + j]);
       for (int c = 0; c < 3; ++c) {
-        const vd one = splat(p[3 * kLeftOut + c]);
-        vd a = one, b{};
+        // Weights of a column sum to one and slopes to zero, so differences from one of its nodes suffice.
+        const vd reference = splat(p[3 * kLeftOut + c]);
+        vd a = reference, b{};
         for (int k = 0; k < W::kK; ++k) {
           if (k == kLeftOut) continue;
-          const vd d = p[3 * k + c] - one;
+          const vd d = p[3 * k + c] - reference;
           a += d * s.w[2][k];
           b = k == 0 ? d * s.dw[2][k] : b + d * s.dw[2][k];
         }
@@ -42,7 +47,8 @@ inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* colum
       G.a[c][2] += s.w[0][i] * C[c];
     }
   };
-  // Rows of cells need six more such functions. Unrolled loops in all of them would fill the instruction cache.
+  // There is an instance of this function for one cell, and six for rows of cells. Unrolled loops in all of them would
+  // fill the instruction cache.
   if constexpr (Joined == kOneCell) {
 #pragma GCC unroll 4
     for (int i = 0; i < W::kI; ++i) add_plane(i);

@@ -266,7 +266,7 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
 
 namespace {
 
-// Moves the values of nodes to their new indices, which keep the order, `width` numbers a node. New nodes get the value
+// Moves the values of nodes to their new indices, which keep the order, `width` numbers per node. New nodes get the value
 // `fresh`. Consecutive nodes move together, the last ones first, since new indices are never smaller.
 void spread(std::vector<double>& values, int width, const std::vector<int>& new_index, std::size_t size, double fresh) {
   if (values.empty()) return;

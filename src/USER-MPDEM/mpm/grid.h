@@ -8,7 +8,7 @@
 //
 // After step n the nodes have the state of the leap-frog scheme: displacement u_n, velocity v_n-1/2, acceleration a_n.
 // With `updated` kinematics the reference is new in every step: displacements are zero, and mass and momentum come from
-// the points each time. Vector fields have three numbers a node.
+// the points each time. Vector fields have three numbers per node.
 #ifndef MPDEM_MPM_GRID_H
 #define MPDEM_MPM_GRID_H
 
@@ -46,7 +46,7 @@ class Grid {
   std::vector<Key> keys;
   SharedList<double> mass;  // lumped
   std::vector<double> velocity, displacement, force, acceleration;
-  std::vector<double> momentum;        // of the points, `updated` kinematics only
+  std::vector<double> momentum;        // momentum that points gave to the nodes; with `updated` kinematics only
   std::vector<double> inertial_force;  // (M_L - M) a, see consistent_mass.h; empty with the lumped mass alone
   ExtensionConstraints constraints;
   // Volume of each node from which its mass follows; -1 where the mass follows from the points. Empty if that is so at all nodes. See

@@ -15,8 +15,9 @@
 
 namespace mpdem {
 
-// The grain (0 or 1) whose half of the bond is the stronger one. It is the smaller grain, since of unequal grains the larger one
-// debonds anyway. Of equal grains it is the one that grain_behind() does not return. So the result does not depend on their order.
+// The grain (0 or 1) whose half of the bond is the stronger one. Of unequal grains it is the smaller one: cement debonds from
+// the larger one without an imperfection, too. Of equal grains the coordinate along an axis of the bond decides
+// (grain_behind()), so that the result does not depend on the order of the grains.
 inline int stronger_grain(const BondRecord& record) {
   const double larger = record.radius[0] - record.radius[1];
   if (std::fabs(larger) > rounding_of_positions(record)) return larger > 0.0;
@@ -25,23 +26,25 @@ inline int stronger_grain(const BondRecord& record) {
 
 // Lanes of the points that were created at X in the stronger half. The middle belongs to the weaker one.
 inline vmask nearer_to_stronger_grain(const BondRecord& record, const vd* X) {
-  vd above[2];
+  vd distance[2];  // distance of X from the surface of each grain
   for (int side = 0; side < 2; ++side) {
     vd square{};
     for (int d = 0; d < 3; ++d) square += (X[d] - record.centre[side][d]) * (X[d] - record.centre[side][d]);
-    above[side] = sqrt(square) - record.radius[side];
+    distance[side] = sqrt(square) - record.radius[side];
   }
   const int strong = stronger_grain(record);
-  return above[1 - strong] - above[strong] > rounding_of_positions(record);
+  return distance[1 - strong] - distance[strong] > rounding_of_positions(record);
 }
 
-// Imperfection of a bond. `share`: by how much more strain the stronger half carries. 0: both halves are alike.
+// Imperfection of a bond. share: the strain at which damage begins is larger in the stronger half by this share; 0: both
+// halves are alike.
 struct Imperfection {
   const BondRecord* record = nullptr;
   double share = 0.0;
 
-  // Factor on the root of the norm of strain of points created at X, as it counts for damage.
-  vd of_root(const vd* X) const {
+  // Points of the stronger half count a smaller strain for their damage. Nonlocal damage averages the square root of the norm
+  // of strain (drive_average.h). Returns the factor on this root for points created at X.
+  vd factor_on_root(const vd* X) const {
     if (share == 0.0) return splat(1.0);
     return select(nearer_to_stronger_grain(*record, X), splat(1.0 / std::sqrt(1.0 + share)), splat(1.0));
   }

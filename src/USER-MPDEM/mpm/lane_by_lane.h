@@ -17,7 +17,7 @@ namespace mpdem {
 
 namespace detail {
 
-// The 3 S doubles of a column of S nodes, in two vectors.
+// The 3 S doubles of a column of S nodes in two vectors, `head` and `tail`: node by node, three components each.
 template <int S>
 struct ColumnRow {
   using v2 = double __attribute__((vector_size(16)));
@@ -69,7 +69,8 @@ inline void transpose_8(const vd* a, vd* out) {
   }
 }
 
-// Converts the rows of eight lanes to vectors across lanes. rows_of() converts back.
+// row[l] has the values of one column for the point of lane l. values[k] has number k of these rows for all eight lanes.
+// values_of() finds `values`, rows_of() finds `row`.
 template <int S>
 inline void values_of(const ColumnRow<S>* row, vd* values) {
   using Row = ColumnRow<S>;
@@ -135,8 +136,8 @@ inline void for_each_cell(std::uint8_t which, const int* column, F f) {
 
 }  // namespace detail
 
-// out[c] = sum_I nodal_Ic N_I for the lanes with a bit in `which`, zero in the others. column: kSupport^2 for each
-// lane.
+// out[c] = sum_I nodal_Ic N_I for the lanes with a bit in `which`, zero in the others. column: first nodes of the kSupport^2
+// columns of each lane, one lane after the other.
 template <class Type>
 inline void gather_value_by_lane(const double* __restrict nodal, std::uint8_t which, const int* column, const Weights<Type>& s, vd* out) {
   constexpr int S = Type::kSupport;

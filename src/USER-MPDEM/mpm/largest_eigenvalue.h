@@ -24,8 +24,9 @@ struct EigenvalueEstimate {
   double value;     // 1/time^2
   double residual;  // there is an eigenvalue within this distance of value
   int products;     // number of products with the operator
-  // Value plus tolerance, or value plus residual where the iteration did not converge. The residual depends on the
-  // start vector, and so on the order of the axes. The value depends on it only by the square of the residual.
+  // Upper estimate of the eigenvalue: value plus tolerance, or value plus residual where the iteration did not converge.
+  // The converged residual is not used, since it depends on the random start vector. The value depends on that vector
+  // only to second order in the residual.
   double most;
 };
 
@@ -33,15 +34,16 @@ struct EigenvalueEstimate {
 struct EigenvalueSystem {
   const PointStore* points;
   const Grid* grid;
-  bool failed_as_undamaged = false;          // failed points count as undamaged: they may be stiff again, see closing_points.h
-  const std::vector<int>* blocks = nullptr;  // blocks whose points count; null: all
+  bool failed_as_undamaged = false;          // take failed points as undamaged, since cracks may close (closing_points.h)
+  const std::vector<int>* blocks = nullptr;  // K has the points of these blocks; null: of all
 };
 
 // Relative tolerances: for a check, and for an eigenvalue on which the result of a run depends.
 constexpr double kEigenvalueTolerance = 1e-3, kPreciseEigenvalue = 1e-7;
 
-// Finds the largest eigenvalue of all bonds together, given in ascending order. Collective. The iteration stops when
-// the residual is below tolerance times the value.
+// Finds the largest eigenvalue of all bonds together. Collective. systems: bonds of this rank, in ascending order of
+// their rows in the table of bonds. The iteration stops when the residual is below tolerance times the value, or after
+// 200 products.
 EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvalueSystem>& systems, const Law& law,
                                       double tolerance = kEigenvalueTolerance);
 inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, const Grid& grid, const Law& law,

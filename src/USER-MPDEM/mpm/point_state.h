@@ -57,7 +57,7 @@ std::vector<vd> largest_damages(const PointStore& points);
 struct CrackOfPoint {
   double damage[3], normal[3];
 };
-// The same for the points of a block.
+// Damage and crack normals of the points of a block.
 struct CracksOfBlock {
   vd damage[3], normal[3];
 };

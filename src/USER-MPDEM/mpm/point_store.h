@@ -57,11 +57,11 @@ struct BlockMeta {
   int joined = kOneCell;           // code of its cells in a row, see basis.h and arrange()
   int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid; without a meaning if it has aliases
   static constexpr int kOwn = -1;
-  int aliases = kOwn;                                 // first of its nodes in Grid::aliases; kOwn: it has columns
+  int aliases = kOwn;                                 // index of the first of its nodes in Grid::aliases; kOwn: it has columns
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // one bit for each lane
   std::uint8_t split_checked = 0;                     // lanes that failed, and for which nodes were split, see fracture/phantom_nodes.h
   std::uint8_t distorted = 0;          // lanes that failed and are too distorted for a crack that closes, see closing_points.h
-  std::uint8_t connected[2] = {0, 0};  // for each grain the lanes connected to it at the last check; before separation all
+  std::uint8_t connected[2] = {0, 0};  // lanes that intact cement joined to grain 0 or 1 at the last check; all until separation
   std::uint8_t linked = 0;             // lanes whose point had a link to a grain when it was made
   std::uint8_t second = 0, third = 0;  // lanes in the second and the third cell of the row
   Lattice lattice = Lattice::none;     // arrangement of its points, with empty lanes at matching positions
@@ -69,8 +69,9 @@ struct BlockMeta {
   std::uint8_t material = 0;           // number of the material of its points, see Law::of_material()
 };
 
-// Drawn factors of eight points (material/scatter.h). strength: on the threshold of damage for the stress of a material without scatter
-// of its moduli: that of a law of degree 2 has the factor of the moduli in its denominator.
+// Drawn factors of eight points (material/scatter.h). stiffness: on the stress. strength: on the threshold of damage. The
+// driving force that is compared with it is found with the moduli without scatter. For a law of degree 2, whose driving
+// force grows with the moduli, `strength` is therefore divided by the factor of the moduli.
 struct PointScatter {
   vd stiffness = splat(1.0), strength = splat(1.0);
 };
@@ -114,7 +115,8 @@ decltype(auto) with_weights(const PointBlock& p, const BlockMeta& m, double inve
   return f(Weights<Type>(p.X, m.base, inverse_h));
 }
 
-// Calls f with weights for gather_gradient and scatter_gradient alone, of which points of a lattice need fewer.
+// Calls f with weights that serve gather_gradient and scatter_gradient alone. Points of a lattice have ColumnWeights, which are
+// fewer.
 template <class Type, class F>
 decltype(auto) with_gradient_weights(const PointBlock& p, const BlockMeta& m, double inverse_h, F&& f) {
   if constexpr (Type::kSupport == 3) {
@@ -138,8 +140,9 @@ class PointStore {
   std::vector<PointBlock> blocks;
   std::vector<PointMotion> motion;  // empty while the first reference is in use
   std::vector<PointSlip> slip;      // empty while no crack closed under friction, see closing_points.h
-  // Root of the norm of the present strain of the points (strain_norm.h), for blocks with damage whose last pass found
-  // it. kUnknown elsewhere. Empty without nonlocal damage. Not in a record, since it follows from the strain.
+  // Root of the norm of the present strain of the points (strain_norm.h), in blocks with damage whose last pass found it,
+  // and kUnknown in others. The list is empty without nonlocal damage. Records do not have it, since it follows from
+  // the strain.
   std::vector<vd> root_of_norm;
   static constexpr double kUnknown = -1.0;
   // Softening of the points (material/law.h) by positions of creation, set with the layout. Empty if all have the same.
@@ -157,17 +160,18 @@ class PointStore {
   int add(const PointRecord& r, int tag);
   PointRecord record(int slot) const;
 
-  // Sorts all points into blocks of one cell and one material, in the order bond, layer, material, cell, tag. Returns the new slot of each old
-  // slot, -1 for an empty one. Order and blocks depend on the points alone, not on the order of their arrival. Links
-  // and contact points are moved with them.
-  // new_layer: the new layer of some slots (ascending).
-  // stay: points will not change cells. This has three effects.
+  // Sorts all points into blocks of one cell and one material, in the order bond, layer, material, cell, tag. Returns the new
+  // slot of each old slot, -1 for an empty one. Order and blocks depend on the points alone, not on the order of their
+  // arrival. Links and contact points are moved with them.
+  // new_layer: the new layer of some slots, by slot.
+  // stay: points will not change cells (`kinematics total`). This has three effects.
   // 1. Points of one cell that are in columns of a lattice get the lanes of columns.h.
   // 2. Blocks that are not full are merged with those of one or two next cells in a row, if their points fit into one block. Such a
   //    block has a third or two thirds more nodes with the quadratic basis, but it replaces two or three blocks.
-  // 3. Layers change neither blocks nor lanes. A block whose points are in several layers becomes a family. The home of a family has
-  //    the points of its first layer. Each other layer has a copy of the block, in which a point has the same lane as in the home.
-  //    Blocks of a family span only the cells in which their points are. Copies come after all homes, in the order home, layer.
+  // 3. A point that gets another layer keeps its lane. A block whose points are in several layers is divided into a family of
+  //    blocks, one per layer: the home, which has the points of the first layer, and a copy for each other layer. The lane
+  //    of a point is used in the block of its layer and empty in the others. Blocks of a family span only the cells in
+  //    which their points are. Copies come after all homes, in the order home, layer.
   std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_layer = {}, bool stay = false);
 
   // Moves points to other layers after arrange() with `stay`. Blocks are bitwise identical to those of arrange().
@@ -238,6 +242,7 @@ class PointStore {
   int add_block(int row, int layer, const int* base, double cell, Basis basis);
   // Copies a point of another store into a free lane, without its links.
   void take(const PointStore& from, int slot, int new_slot);
+  // Removes the point of a lane, without its links. The empty lane gets a position in the middle of the cell and no volume.
   void empty_lane(int slot, double cell, Basis basis);
   // Sorts the links by slot after moves. new_index[i] is the new index of link i.
   std::vector<int> sort_links();
@@ -295,14 +300,15 @@ class PointStore {
     int home, layer;
   };
   std::vector<Copy> copies_;
-  // For each lane of a home: the layer of its point, the block from which the point is taken, and its cell; -1 if the lane is empty.
+  // How a family is to be divided, by lane: the layer of the point, the block in which it is now, and its cell. Layer and block
+  // are -1 if the lane is empty in all blocks of the family.
   struct Family {
     std::array<int, kLanes> layer, from;
     std::array<std::array<int, 3>, kLanes> cell;
     Family() { layer.fill(-1), from.fill(-1); }
-    int first() const;
-    std::vector<int> others() const;
-    // Sets base, joined, second and third of the block of a layer.
+    int first() const;                // the lowest layer
+    std::vector<int> others() const;  // the other layers, ascending
+    // Sets the row of cells of the block of a layer: base, joined, second and third.
     void shape(int layer, BlockMeta& m) const;
   };
   int add_block(int row, int layer, const Family& family, double cell, Basis basis);

@@ -15,7 +15,8 @@
 
 namespace mpdem {
 
-// Returns -V tau F^-T, where s is the Kirchhoff stress in the material frame q.
+// Returns -V P with P = tau F^-T, from which nodes get their internal force. s: Kirchhoff stress tau in the axes of the
+// material frame q. volume: V, of the reference.
 inline Mat3<vd> weighted_piola(const Mat3<vd>& F, const Frame& q, const Sym3<vd>& s, vd volume) {
   const Sym3<vd> t = rotate(rotation_matrix(q), s);
   const Mat3<vd> cof = cofactor(F);
@@ -31,12 +32,13 @@ inline Mat3<vd> weighted_piola(const Mat3<vd>& F, const Frame& q, const Sym3<vd>
   return T;
 }
 
-// Returns -V tau: the same where the reference is the present configuration.
+// Returns -V tau, which is the same for F = 1: the reference is the present configuration.
 inline Mat3<vd> weighted_kirchhoff(const Frame& q, const Sym3<vd>& s, vd volume) {
   const Sym3<vd> g = (-1.0 * volume) * rotate(rotation_matrix(q), s);
   return {{{g.xx, g.xy, g.xz}, {g.xy, g.yy, g.yz}, {g.xz, g.yz, g.zz}}};
 }
 
+// a in the lanes of m, b in the others.
 inline Mat3<vd> blend(vmask m, const Mat3<vd>& a, const Mat3<vd>& b) {
   Mat3<vd> r;
   for (int i = 0; i < 3; ++i)
@@ -44,8 +46,13 @@ inline Mat3<vd> blend(vmask m, const Mat3<vd>& a, const Mat3<vd>& b) {
   return r;
 }
 
-// Few points of a block have growing damage, 3 of 8 where a crack opens. So these points are queued, with their blocks,
-// until they fill whole vectors. The damage step of a lane does not depend on the others.
+// Stress and damage of one block after the other. Few points of a block have growing damage, 3 of 8 where a crack opens. So
+// these points are queued, with their blocks, until they fill whole vectors. The damage step of a lane does not depend
+// on the others. Block by block:
+//   operator()                    elastic stress, unless a bound shows that damage may grow
+//   stress_with_damage()          stress with the present damage; queues points whose damage grows
+//   flush() when full(), at end   return mapping of queued points (grow()), then the stress of their blocks
+// B: threshold of the driving force Yeq, see material/law.h.
 template <class L>
 class PointStress {
  public:
@@ -71,9 +78,10 @@ class PointStress {
     }
   }
 
-  // Finds the stress of block b in its material frame, zero in failed lanes. Returns false if the block is queued for flush(). Bounds
-  // that show that no damage grows are tried first, the cheapest first. strain_start: the strain before the step. average(): gives
-  // the average that drives nonlocal damage.
+  // Finds the stress of block b in its material frame, zero in failed lanes. Returns false if the block is queued for flush(). A
+  // block that is undamaged stays so if a bound of Yeq is below B; the cheapest bound is tried first. With nonlocal
+  // damage the average decides instead. strain_start: the strain before the step. average(): returns the average that
+  // drives nonlocal damage, of the root of the norm of strain (drive_average.h).
   template <class Average>
   bool operator()(int b, const Sym3<vd>& strain_start, const Average& average, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
@@ -159,7 +167,7 @@ class PointStress {
       if (!result_.near_threshold)
         note_near_threshold(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
       const vd root = root_of_norm(law_, p.strain);
-      // It is found in each step of a block with damage, so it never belongs to an older strain.
+      // A block with damage comes here in each step, so the root that is kept never belongs to an older strain.
       if (m.damaged) points_.keep_root_of_norm(b, root);
       const vd a = drive_factor<L>(average / max(root, splat(1e-100)));  // amplification of the drive, see drive_average.h
       strength /= min(max(a, splat(1e-100)), splat(kMostAmplification));
@@ -185,7 +193,7 @@ class PointStress {
     for (int i = 0; i < vectors; ++i) t[kLanes * i] = f[kLanes * i];
   }
 
-  // place: eight times the index of the block in queue_ plus the lane.
+  // Queues a point of a queued block. place: eight times the index of the block in queue_ plus the lane.
   void enqueue(int place, const Sym3<vd>& strain_start, vd strength) {
     const int l = place % kLanes, b = queue_[place / kLanes].block, to = queued_points_ % kLanes;
     Points& v = vectors_[queued_points_ / kLanes];
@@ -198,6 +206,7 @@ class PointStress {
     place_[queued_points_++] = place;
   }
 
+  // Return mapping of up to eight queued points, from index `first` on. Stress, damage and energies go to their blocks.
   void grow(int first) {
     const int count = std::min(kLanes, queued_points_ - first);
     Points& v = vectors_[first / kLanes];
@@ -228,16 +237,19 @@ class PointStress {
   PointStore& points_;
   const L& law_;
   AdvanceResult& result_;
-  const vd* limit_;                             // Grid::drive_limit of each block; null: square_near_ for all
-  const PointScatter* scatter_;                 // null without scatter
-  double B_, weakest_, growth_;                 // B_: threshold of blocks that touch no grain, weakest_: of others
-  double square_near_, root_B_, root_weakest_;  // Yeq^2 near the threshold; least averages with which damage grows, as B_ and weakest_
-  bool always_, nonlocal_;
+  const vd* limit_;               // Grid::drive_limit of each block; null: square_near_ for all
+  const PointScatter* scatter_;   // null without scatter
+  double B_, weakest_;            // B of points that touch no grain; least B of a block with points that touch one
+  double root_B_, root_weakest_;  // the same for averages: least root of the norm of strain with which damage grows
+  double square_near_;            // Yeq^2 at kNearThreshold times the lowest threshold
+  double growth_;                 // share of the growth of damage that a step allows (viscosity)
+  bool always_, nonlocal_;        // always_: bounds are not used
 
   struct QueuedBlock {
     int block;
     Sym3<vd> stress;
   };
+  // Eight queued points. strain_start: strain before the step. strength: factor on B.
   struct Points {
     Sym3<vd> strain_start, strain;
     State state;
@@ -246,7 +258,7 @@ class PointStress {
   int queued_blocks_ = 0, queued_points_ = 0;
   QueuedBlock queue_[kMost];
   Points vectors_[kVectors];
-  int place_[kVectors * kLanes];
+  int place_[kVectors * kLanes];  // place of each queued point, see enqueue()
 };
 
 }  // namespace mpdem

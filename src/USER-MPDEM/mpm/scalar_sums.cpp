@@ -9,7 +9,7 @@ namespace mpdem {
 
 namespace {
 
-constexpr double kRoundingOfPositions = 1e-9;  // of the positions of points, in cells
+constexpr double kRoundingOfPositions = 1e-9;  // rounding of the positions of points, in cells
 constexpr int kNone = -1;
 constexpr int kSingle = -2;  // while indices are found, single point n has the index kSingle - n
 

@@ -55,7 +55,7 @@ class ScalarSums {
   struct Run {
     int column[kMostColumns];  // first nodes
     int cells;
-    int first;  // its first vector in volume_
+    int first;  // index of the first vector of the run in volume_
   };
   // First node of a column of the cell of a lane.
   int node_of_cell(const BlockMeta& m, int lane, int column) const;
@@ -67,8 +67,8 @@ class ScalarSums {
 
   Basis basis_ = Basis::quadratic;
   std::vector<Run> runs_;
-  // For the points of runs: eight vectors for eight cells, one for each position in a cell. A position has a bit for
-  // each direction, 1 for the upper half, that of x the highest. Then for the single points.
+  // Volumes and values of points, first those of runs: eight vectors for eight cells, one vector for each position in a cell.
+  // A position has a bit for each direction, 1 for the upper half; the bit of x is the highest. Then come single points.
   std::vector<vd> volume_, value_;
   int first_single_ = 0, single_ = 0;           // index in volume_ of the first single point, and number of single points
   std::vector<int> column_;                     // for each single point: first nodes of its columns; at the end padding

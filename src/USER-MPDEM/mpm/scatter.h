@@ -43,16 +43,20 @@ inline void add_lanes(double* p, const vd& s, int first = 0) {
   }
 }
 
-// Adds the lane sums of 3 kK vectors to as many consecutive doubles, column by column. Reductions take eight vectors at
-// a time. The vectors of a column beyond eight are kept until there are eight of these.
+// Adds the contributions of a block to the nodes of its columns. A column has kK nodes in a row, so 3 kK consecutive
+// doubles. Each of them gets the sum over the lanes of one vector. Lanes are summed for eight vectors at a time
+// (sum_lanes_of_8()). A column of the quadratic basis has nine vectors: the ninth of each column waits in `rest_` until
+// eight columns have given one.
 template <class W>
 class ColumnSums {
  public:
+  // Number of vectors of a column, and the same with padding where they are summed in whole groups of eight.
   static constexpr int kValues = 3 * W::kK, kPadded = kValues < 8 ? 8 : kValues > 12 ? 16 : kValues;
 
   ColumnSums(double* nodal, const int* column) : nodal_(nodal), column_(column) {}
 
-  // `values` holds kPadded vectors. Those beyond kValues are zero.
+  // Adds the values of column c. Call it for columns 0, 1, 2, ... in this order, then finish(). `values` has kPadded vectors;
+  // those beyond kValues are zero.
   void add(int c, const vd* values) {
     add_lanes<kFirst>(place(c), sum_lanes_of_8(values));
     if constexpr (kFull) {
@@ -64,6 +68,7 @@ class ColumnSums {
     }
   }
 
+  // Adds the vectors that still wait.
   void finish() {
     constexpr int kColumns = W::kI * W::kJ, kLeft = kFull ? 0 : kColumns * kOver % 8;
     if constexpr (kLeft == 1) {
@@ -75,8 +80,9 @@ class ColumnSums {
   }
 
  private:
+  // Number of vectors that are summed at once, and of those beyond eight.
   static constexpr int kFirst = kValues < 8 ? kValues : 8, kOver = kValues - kFirst;
-  static constexpr bool kFull = kOver > 4;  // the rest of a column nearly fills eight vectors by itself
+  static constexpr bool kFull = kOver > 4;  // more than four vectors beyond eight do not wait: they are a group of their own
   static_assert(kFull || kOver == 0 || 8 % kOver == 0, "columns fill the rest without a gap");
   // Adds the kept sums of the last `columns` columns, the last of which is c.
   void add_rest(int c, int columns) {
@@ -91,7 +97,9 @@ class ColumnSums {
 
 }  // namespace detail
 
-// nodal_Ic += sum over the points of T.a[c][d] dN_I/dX_d
+// nodal_Ic += sum over the points of T.a[c][d] dN_I/dX_d. T: for example -V P, see weighted_piola(). A, B, C: T times the
+// factors of the first direction, for its derivative in the first, second and third direction. a, b: the same with the
+// factors of the second direction, without and with the derivative in the third.
 template <class Type, int Joined>
 inline void scatter_gradient(double* __restrict nodal, const int* column, const Weights<Type, Joined>& s, const Mat3<vd>& T) {
   using W = Weights<Type, Joined>;

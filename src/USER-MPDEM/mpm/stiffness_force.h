@@ -16,16 +16,16 @@
 namespace mpdem {
 
 struct StiffPoints {
-  bool failed_as_undamaged = false;          // failed points count as undamaged
-  const std::vector<int>* blocks = nullptr;  // blocks whose points count; null: all
+  bool failed_as_undamaged = false;          // failed points have the stiffness of undamaged ones
+  const std::vector<int>* blocks = nullptr;  // blocks whose points K has; null: all
 };
 
-// out -= K x: adds the internal force due to a displacement x, three numbers a node. x must have the values of
+// out -= K x: adds the internal force due to a displacement x, three numbers per node. x must have the values of
 // constrained nodes. The caller applies ExtensionConstraints::gather_to_masters() to out, and the sum over ranks.
 void add_stiffness_force(const PointStore& points, const Grid& grid, const Law& law, const double* x, double* out,
                          const StiffPoints& which = {});
 
-// Adds an estimate of the diagonal of K to `diagonal`, one number a node. Stiffness of constrained nodes is added to
+// Adds an estimate of the diagonal of K to `diagonal`, one number per node. Stiffness of constrained nodes is added to
 // their masters by the absolute weights. The caller sums over ranks.
 void add_stiffness_diagonal(const PointStore& points, const Grid& grid, const Law& law, double* diagonal);
 

@@ -13,7 +13,7 @@ namespace mpdem {
 
 namespace {
 
-using Strains = std::array<Sym3<vd>, 3>;  // by a displacement in each direction
+using Strains = std::array<Sym3<vd>, 3>;  // strains due to a unit displacement in each direction
 
 // Strain in the material frame by a displacement of one node in each direction. gradient: of its shape function, in the
 // present configuration. R: from the material frame.
@@ -170,7 +170,7 @@ void StiffnessMatrix::add_product(int rows, int columns) {
 template <class Type, class L>
 void StiffnessMatrix::add_blocks(const PointStore& points, int first, int last, const L& law) {
   std::vector<int> nodes;
-  std::vector<Strains> strains;  // of each unknown of the block
+  std::vector<Strains> strains;  // for each unknown of the block
   for (int b = first; b < last; ++b) {
     const PointBlock& p = points.blocks[b];
     const BlockMeta& m = points.meta[b];

@@ -34,7 +34,7 @@ class UnknownsOfNodes {
   }
 
  private:
-  std::vector<int> node_;  // of each unknown
+  std::vector<int> node_;  // for each unknown, its node
   std::vector<int> first_ = {0}, unknown_;
   std::vector<double> weight_;
 };
@@ -67,7 +67,7 @@ class StiffnessMatrix {
   void add(const PointStore& points, const Law& law);
   // Adds springs to weighted sums over the same nodes. stiffness: force by displacement, symmetric.
   struct Spring {
-    std::array<double, kMostColumns * Bases::kMostSupport> weight;  // of each node
+    std::array<double, kMostColumns * Bases::kMostSupport> weight;  // weight of each node in the sum
     Eigen::Matrix3d stiffness;
   };
   void add(const std::vector<int>& nodes, const std::vector<Spring>& springs);
@@ -76,7 +76,7 @@ class StiffnessMatrix {
 
   // See BlockTridiagonal::factorise().
   bool factorise(double least) { return matrix_.factorise(least); }
-  // Finds the displacement x of the free nodes by the nodal force r, three numbers a node. It is zero at nodes that are
+  // Finds the displacement x of the free nodes by the nodal force r, three numbers per node. It is zero at nodes that are
   // no unknowns.
   void solve(const std::vector<double>& r, std::vector<double>& x);
 
@@ -96,7 +96,7 @@ class StiffnessMatrix {
   UnknownsOfNodes unknowns_;
   std::vector<int> sets_, first_of_set_ = {0};  // coupled unknowns
   UnknownSet set_;                              // unknowns of the block or links that are added
-  std::vector<int> level_, place_;              // of each unknown; place_: its index in its level
+  std::vector<int> level_, place_;              // level of each unknown, and its index in the level
   std::vector<int> first_of_level_;
   BlockTridiagonal matrix_;
   Eigen::VectorXd in_order_;

@@ -23,7 +23,8 @@ __attribute__((noinline)) vd root_of_norm(const L& law, const Sym3<vd>& strain) 
   return root_of_drive<L>(law.undamaged_drive(strain));
 }
 
-// Returns the factor of the drive if its root_of_drive() is multiplied by `factor`. Also inverts root_of_drive().
+// Returns the factor by which a drive grows if its root_of_drive() grows by `factor`. With a root as argument it returns the
+// drive.
 template <class L>
 vd drive_factor(vd factor) {
   const vd square = factor * factor;

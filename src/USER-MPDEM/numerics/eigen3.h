@@ -119,7 +119,7 @@ struct LargestEigenvalue {
 
 inline vd largest_eigenvalue(const Sym3<vd>& m) {
   const Extreme e = extreme_eigenvalue(m, splat(1.0));
-  const vmask unsafe = (e.gap < 1e-5) & (e.radius > 1e-100);  // with a smaller radius the value is the mean
+  const vmask unsafe = (e.gap < 1e-5) & (e.radius > 1e-100);  // if the radius is smaller, all eigenvalues are the mean
   return any(unsafe) ? select(unsafe, largest(eigen(m)), e.value) : e.value;
 }
 

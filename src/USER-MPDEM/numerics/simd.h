@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Eight doubles as one value. A block of material points is eight points of one cell, one point a lane. So every kernel
+// Eight doubles as one value. A block of material points is eight points of one cell, one point per lane. So every kernel
 // is written once, on `vd`, and the compiler maps it to the widest registers of the target (one AVX-512, two AVX2 or
 // four SSE2 operations). It uses GCC and Clang vector extensions. Only bits() needs intrinsics, which compilers do not
 // find by themselves.

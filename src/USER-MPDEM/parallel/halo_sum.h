@@ -17,10 +17,11 @@ namespace mpdem {
 
 class HaloSum;
 
-// Messages of some sums, one to each rank, and their buffers. A sum allocates no memory after build().
+// Sums over ranks for several bonds at once, with one message to each rank for all of them, and the buffers of the messages. A
+// sum allocates no memory after build(). An item is a key that two ranks share.
 class HaloMessages {
  public:
-  // parts: the sums of n bonds.
+  // parts: one HaloSum for each of n bonds.
   void build(const HaloSum* const* parts, std::size_t n);
   // Sums the values of these bonds. values[p]: array of parts[p], `width` doubles for each of its keys.
   void sum(const HaloSum* const* parts, double* const* values, std::size_t n, int width);
@@ -28,10 +29,10 @@ class HaloMessages {
  private:
   std::size_t index_of(int rank) const;
 
-  std::vector<int> ranks_;          // all with which a bond is shared, ascending
+  std::vector<int> ranks_;          // all ranks with which this rank shares a bond, ascending
   std::vector<std::size_t> items_;  // number of items shared with each of these ranks
   std::vector<std::vector<double>> send_, recv_;
-  std::vector<std::size_t> read_;  // numbers of each message that are added already
+  std::vector<std::size_t> read_;  // how many numbers of each message are added already
   std::vector<MPI_Request> requests_;
 };
 
@@ -43,13 +44,14 @@ class HaloSum {
   // Builds the sums of `size` keys whose sharing is known already. Not collective.
   void build(MPI_Comm comm, Sharing shared, std::size_t size);
 
-  // Sets the number of keys when none of them is shared.
+  // Sets the number of keys in the place of build(), if no key is shared.
   void resize(std::size_t size) { counts_here_.resize(size, 1); }
 
   // Collective among sharing ranks. values: width doubles for each key, summed in place.
   void sum(double* values, int width);
 
-  // counts_here()[i] is true on exactly one of the ranks that share key i, the lowest. Sums over all ranks count the key there.
+  // counts_here()[i] is true on exactly one of the ranks that share key i, the lowest. Sums over all nodes of all ranks take
+  // the node from that rank alone.
   const std::vector<char>& counts_here() const { return counts_here_; }
 
   std::size_t shared_items() const;
@@ -57,6 +59,7 @@ class HaloSum {
 
  private:
   friend class HaloMessages;
+  // take_own() sets shared values to zero and keeps them. add_own() adds them when it is the turn of this rank.
   void take_own(double* values, int width) const;
   void add_own(double* values, int width) const;
 

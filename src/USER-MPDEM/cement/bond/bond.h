@@ -35,7 +35,7 @@ struct Bond {
   PenaltyLinks links;
   AddedMass added;
   using Mechanisms = std::vector<std::unique_ptr<BondMechanism>>;
-  Mechanisms mechanisms;            // those that act in the scene, see cement/layout/mechanisms.h
+  Mechanisms mechanisms;            // mechanisms that act in the scene, see cement/layout/mechanisms.h
   UpdatedPass updated;              // used by `updated` kinematics only
   int first_end_index = 0;          // index of the first end of the bond in BondEnds::ends
   int layout = 0;                   // number of its layout on this rank; 0: none yet

@@ -178,7 +178,7 @@ void BondedGrains::update_kinematics(double dt, double dt_last, long step, Energ
       g.v[d] = free || d >= 3 ? grain.velocity[d] : grain.moved[d] / dt;
       const double change = g.v[d] - g.v_before[d];
       g.jump[d] = free ? 0.0 : change - (d < 3 ? since * g.a[d] : 0.0);
-      // keep_velocities() predicted g.v by 2 v_end - v_before: corrects the work of the second half of the last step
+      // keep_velocities() predicted g.v by 2 v_end - v_before. This corrects the work of the second half of the last step.
       if (!free) energy.do_work(-0.5 * dt * g.load[d] * (change - 2.0 * (g.v_end[d] - g.v_before[d])));
       if (d < 3) g.a[d] = free ? 0.0 : minmod(change / since, 2.0 * (grain.velocity[d] - g.v[d]) / dt);
     }
@@ -518,7 +518,7 @@ EnergyBalance::StepWork BondedGrains::work_of(const CondensedPack& condensed, do
   for (std::size_t n = 0; n < grains.size(); ++n) {
     const GrainState& g = *grains[n].state;
     for (int d = 0; d < 6; ++d) {
-      // the work of the weight is counted as work of gravity
+      // The work of the weight is not counted here: it is work of gravity.
       const double f = condensed.load(n, d) - condensed.weight(n, d) + condensed.inertial_load(n, d);
       power.now -= f * g.v_end[d];
       power.with_velocity_before -= f * g.v[d];

@@ -118,9 +118,10 @@ class BondedGrains {
   // Collective. Adds the forces of the cement to the grains in one of n sub-steps of a step, once the ends have the
   // forces of all bonds. A grain gets 1/n of the cement load, and loses the load of the host that is spread.
   void react(double dt, int n, EnergyBalance& energy, const CondensedPack& condensed);
-  // For finding the loads of the cement anew in a step. save_loads(), before react(), stores the loads without those of
-  // the cement. restore_loads() restores them for another react(), which does not count the work of jumps again. The work
-  // of the half step before has been counted with the loads taken back: correct_work_of_withdrawn_loads() corrects it.
+  // These three serve to find the loads of the cement a second time in a step. save_loads(), before react(), stores the
+  // loads without those of the cement. restore_loads() restores them for another react(), which does not count the work
+  // of jumps again. The work of the half step before has been counted with the loads taken back:
+  // correct_work_of_withdrawn_loads() corrects it.
   void save_loads();
   void restore_loads();
   void correct_work_of_withdrawn_loads(double dt_last, EnergyBalance& energy) const;
@@ -198,7 +199,7 @@ class BondedGrains {
   bool summed_ = false;  // begin_sums() was called
   std::vector<GrainAccelerations::Vector6> host_load_;
   std::vector<Six> saved_loads_, withdrawn_loads_,
-      sudden_loads_;             // of each grain: loads of the host, of the cement, of jumps and transfers in this step
+      sudden_loads_;             // for each grain: load of the host, saved load of the cement, load of jumps and transfers in this step
   bool loads_restored_ = false;  // restore_loads() was called in this step
   bool changed_ = true, any_free_ = false, mass_changed_ = false, sudden_forces_are_due_ = false;
   double jump_limit_ = 0.0;  // jumps up to this size are not noted

@@ -32,7 +32,7 @@ class EnergyBalance {
   // Cement that left the scene, see cement/step/departures.h. momentum: in the axes of the box.
   struct Left {
     double points = 0.0, mass = 0.0, momentum[3] = {0, 0, 0}, energy = 0.0;
-    double dropped = 0.0, dropped_mass = 0.0;  // of these points and their mass: what was dropped, see cement/step/loose_cement.h
+    double dropped = 0.0, dropped_mass = 0.0;  // number and mass of those of these points that were dropped, see cement/step/loose_cement.h
 
     template <class Self, class Visitor>
     static constexpr void describe(Self& l, Visitor& visit) {

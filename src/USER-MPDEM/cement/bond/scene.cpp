@@ -23,9 +23,11 @@ std::array<double, 3> Scene::weight_of(const Bond& b) const {
 
 double Scene::shear_speed() const { return std::sqrt(law->elasticity().softest_shear() / scaled_density); }
 
+// Failed points may close again and carry pressure, and debonded links become contacts. Either changes the stiffness
+// without a further failure.
 bool Scene::stays_linear(const Bond& b) const {
   if ((touches() || options.unilateral) && b.points.any_failed()) return false;
-  const auto softened = [](const Link& k) { return k.attached && k.state[0] > 0.0; };
+  const auto softened = [](const Link& k) { return k.attached && k.state[0] > 0.0; };  // state[0]: damage of a cohesive link
   for (const PointStore* store : b.stores())
     if (std::any_of(store->links.begin(), store->links.end(), softened)) return false;
   const auto debonded = [](const Link& k) { return !k.attached; };
@@ -33,7 +35,7 @@ bool Scene::stays_linear(const Bond& b) const {
 }
 
 double Scene::eigenvalue_bound() const {
-  // Drawn moduli have no bound.
+  // The distribution from which moduli are drawn has no largest value.
   if (law->any_scatter(Scattered::moduli)) return 0.0;
   double stiffest = 0.0;
   for (int n = 0; n < law->materials(); ++n) stiffest = std::max(stiffest, law->of_material(n).elasticity().largest_stiffness());

@@ -66,7 +66,7 @@ struct Scene {
   const OwnComm comm;
   CementOptions options;
   const std::unique_ptr<const Formulation> formulation;
-  std::shared_ptr<const Law> law;            // of material 0; it has those of the others
+  std::shared_ptr<const Law> law;            // law of material 0, which has the laws of the other materials
   std::optional<PenaltyParameters> penalty;  // parameters of the links; none: no links
   ElasticGrains elastic_grains = ElasticGrains::none;
   double scaled_density = 0.0;  // density of the calcite times the mass scale

@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Sums nodal values over the ranks that share nodes, for all resolved bonds, with one message to each of these ranks.
-// Values are in the units of the nodes.
+// Sums have the units of the values.
 #ifndef MPDEM_CEMENT_BOND_SHARED_NODES_H
 #define MPDEM_CEMENT_BOND_SHARED_NODES_H
 
@@ -23,7 +23,7 @@ class SharedNodes {
   void sum(double* (*values)(Bond&), int width);
   // Resolved bonds of this rank whose nodes other ranks share, ascending in row.
   const std::vector<Bond*>& cut_bonds() const { return cut_bonds_; }
-  // Is any resolved bond of the scene shared by ranks? Known with nonlocal damage only.
+  // Is any resolved bond of the scene shared by ranks? Only nonlocal damage needs this; without it the answer is false.
   bool any_bond_is_cut() const { return any_bond_is_cut_; }
 
  private:

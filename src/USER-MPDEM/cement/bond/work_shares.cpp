@@ -10,7 +10,7 @@ namespace mpdem {
 
 namespace {
 
-constexpr double kTargetImbalance = 1.02;
+constexpr double kTargetImbalance = 1.02;  // largest work of a rank over the mean, at which the algorithm ends
 
 double mean(const std::vector<double>& work) { return std::accumulate(work.begin(), work.end(), 0.0) / static_cast<double>(work.size()); }
 
@@ -27,6 +27,7 @@ double load_imbalance(const std::vector<double>& work) {
   return all > 0.0 ? *std::max_element(work.begin(), work.end()) / all : 1.0;
 }
 
+// In each turn the rank with most work gives one bond to another rank.
 std::vector<BondMove> rebalance(const std::vector<SubdomainIndex>& subdomains, std::vector<MovableBond> bonds, std::vector<double> work) {
   if (load_imbalance(work) <= kAllowedImbalance) return {};
   std::sort(bonds.begin(), bonds.end(), [](const MovableBond& a, const MovableBond& b) { return a.row < b.row; });
@@ -35,7 +36,7 @@ std::vector<BondMove> rebalance(const std::vector<SubdomainIndex>& subdomains, s
     const int from = static_cast<int>(std::max_element(work.begin(), work.end()) - work.begin());
     MovableBond* best = nullptr;
     int to = from;
-    double most = 0.0;  // decrease of the larger work of the two ranks
+    double most = 0.0;  // largest gain so far: decrease of the larger work of the two ranks
     for (MovableBond& b : bonds) {
       if (b.rank != from) continue;
       for (std::size_t rank = 0; rank < work.size(); ++rank) {

@@ -242,7 +242,7 @@ bool CondensedBonds::matches_static_solution(const Bond& resolved, const BondRec
     try {
       c.solution = solved(MPI_COMM_SELF, &still, record, law, kMostStepsOfCandidate);
     } catch (const BadState&) {
-      // almost separated: not condensed until its damage changes
+      // The bond is almost separated. It is not condensed until its damage changes.
     }
   }
   if (!c.solution) return false;

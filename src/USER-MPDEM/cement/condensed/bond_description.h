@@ -3,7 +3,7 @@
 //
 // A list of all numbers on which the static stiffness of a bond depends, except the law and the cell size. Bonds with
 // equal descriptions share one static solution. Numbers are rounded, so that equal bonds at different positions have
-// equal descriptions. A description takes about forty numbers of 8 bytes a point, so only its hash is kept.
+// equal descriptions. A description takes about forty numbers of 8 bytes per point, so only its hash is kept.
 #ifndef MPDEM_CEMENT_CONDENSED_BOND_DESCRIPTION_H
 #define MPDEM_CEMENT_CONDENSED_BOND_DESCRIPTION_H
 
@@ -43,7 +43,7 @@ class BondDescription {
       }
       add(record.centre[s], 3, h);
       add(ends[s].x, 3, h);
-      // only the rotation since creation matters, not the orientation at creation
+      // Only the rotation since creation matters, not the orientation at creation.
       add(product(ends[s].R, transpose(rotation_of(record.orientation[s]))).a[0], 9, 1.0);
     }
     add(grid.displacement.data(), grid.displacement.size(), h);

@@ -193,7 +193,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
       described_.erase(row);
       continue;
     }
-    // shared nodes do not show whether ranks cut the bond: pieces of a separated bond share none, and may be on two ranks
+    // Shared nodes do not show whether ranks cut the bond: pieces of a separated bond share none, and may be on two ranks.
     cut[n] = !bonds.is_whole(*b);
     const BondDescription mine = described(*b, bonds.table[row]);
     const std::size_t hash = mine.hash() ^ hash_of_all;

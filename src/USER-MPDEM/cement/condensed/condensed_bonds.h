@@ -131,7 +131,7 @@ class CondensedBonds {
   // Root of the driving force that stands for the interface of a condensed bond on this rank.
   double root_of_interface(const Bond& bond, const Law& law) const;
   bool any_shared() const { return !cut_.empty(); }  // true if ranks share a condensed bond; the same on all ranks
-  // Motion of the nodes of a bond by the static fields, three numbers a node. Velocities are those for grain velocities
+  // Motion of the nodes of a bond by the static fields, three numbers per node. Velocities are those for grain velocities
   // plus `later` times the grain accelerations.
   struct NodeMotion {
     std::vector<double> displacement, velocity, acceleration;

@@ -20,26 +20,27 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Motion = double[2][6];  // motions of both grains, about their centres
 
-// The iteration ends when the preconditioned residual is below kResidual times the initial energy, or when the last
-// quarter of the steps reduced the energy by less than kDecline times it. The error of the fields is the root of that.
-// Nodes beside failed points have almost no stiffness and converge slowly, but hardly change the energy, so the limit
-// is larger with them.
+// The iteration ends when the preconditioned residual is below kResidual times the initial energy. It also ends when the
+// last quarter of the steps reduced the energy by less than kDecline times the initial energy. The relative error of the
+// fields is about the root of these factors. Nodes beside failed points have almost no stiffness. They converge slowly, but
+// hardly change the energy, so a bond with failed points has the larger limit kDeclineOfCracked.
 constexpr double kResidual = 1e-18, kDecline = 1e-14, kDeclineOfCracked = 1e-6;
 constexpr int kLeastSteps = 40;
 
-// Shift of the operator of static_displacement(): this share of the largest nodal ratio of stiffness to mass, times the
-// mass of each node. Without it, the inertia of a node beside failed points, which has almost no stiffness, would move
-// it by metres. A mode whose squared frequency is r times the shift is found with a relative error of 1/(1 + r).
+// static_displacement() solves (K + s M) u = f instead of K u = f. The shift s is kShift times the largest nodal ratio of
+// stiffness to mass, 1/time^2. Without it, a node beside failed points, which has almost no stiffness, would move by
+// metres under its inertia. A vibration mode of squared frequency r s is found with a relative error of 1/(1 + r).
 constexpr double kShift = 1e-4;
 constexpr int kMostStepsOfForce = 1000;
 
-// The stiffness is factorised if that takes at most this number of multiplications, which is half a second and some 70 MB, and if each
-// pivot is above this share of the entry on the diagonal. Beside a smaller one nodes are connected by almost nothing. The share is larger
-// for a bond that may stay resolved: one that was accepted has to be solved again as the next run begins.
+// The stiffness is factorised if that takes at most kMostMultiplications, which is half a second and some 70 MB, and if each
+// pivot is above a share kLeastPivot of its entry on the diagonal. Nodes with a smaller pivot are connected by almost
+// nothing. The share is larger for a bond that may stay resolved (kMostStepsOfCandidate): round-off must not make the
+// solution of a bond that was condensed once fail as the next run begins.
 constexpr double kMostMultiplications = 5e9, kLeastPivot = 1e-11, kLeastPivotOfCandidate = 1e-8;
 
-// The equations of one bond. Vectors have three numbers a node. Constrained nodes are no unknowns.
-// shift_share: share that gives the shift of the operator, see kShift; 0: no shift.
+// The equations of one bond. Vectors have three numbers per node. Constrained nodes are no unknowns. system: null if this
+// rank has no share of the bond; it still takes part in all collective calls. shift_share: kShift, or 0 for no shift.
 class Equations {
  public:
   Equations(MPI_Comm comm, const StaticSystem* system, double least_pivot, double shift_share = 0.0) : comm_(comm), system_(system) {
@@ -49,7 +50,7 @@ class Equations {
       add_stiffness_diagonal(system->points, system->grid, system->law, stiffness.data());
       system->grid.halo.sum(stiffness.data(), 1);
     }
-    double square = 0.0;
+    double square = 0.0;  // largest ratio of stiffness to mass, then the shift, 1/time^2
     for (std::size_t i = 0; i < stiffness.size(); ++i)
       if (moves(i)) square = std::max(square, stiffness[i] / system->grid.mass[i]);
     square = shift_share > 0.0 ? shift_share * largest(square) : 0.0;
@@ -57,7 +58,7 @@ class Equations {
     if (!system) return;
     Grid& grid = system->grid;
     secants_ = system->links.secants(grid, system->ends);
-    std::vector<double> rows(2 * grid.size(), 0.0);
+    std::vector<double> rows(2 * grid.size(), 0.0);  // row sums of the stiffness of links: of grain 0 and of grain 1 for each node
     system->links.add_stiffness(grid, system->ends, std::numeric_limits<double>::infinity(), rows.data());
     grid.halo.sum(rows.data(), 2);
     shift_.assign(grid.size(), 0.0);
@@ -102,10 +103,10 @@ class Equations {
   // The shift of component i.
   double shift(std::size_t i) const { return shift_[i / 3]; }
 
-  // Of the modes of elastic grains, by the last call of force().
+  // Amplitudes of the modes of both elastic grains that the last call of force() found.
   const std::array<Eigen::VectorXd, 2>& amplitudes() const { return amplitudes_; }
 
-  // Maximum and sum over the ranks of the bond.
+  // Over the ranks of the bond, largest() returns the maximum and all() the sum.
   double largest(double mine) const {
     if (comm_ == MPI_COMM_SELF) return mine;
     double most;
@@ -120,18 +121,20 @@ class Equations {
   }
 
  private:
-  // Elastic grains: the response of the modes of both sides, and their forces. Collective, also for ranks without a share.
+  // Elastic grains: finds the response of the modes of both patches. Collective, also for ranks without a share.
   void find_response() {
     for (int side = 0; side < 2; ++side) modes_[side] = system_ && system_->links.is_elastic() ? system_->links.modal_size(side) : 0;
     if (comm_ != MPI_COMM_SELF) MPI_Allreduce(MPI_IN_PLACE, modes_, 2, MPI_INT, MPI_MAX, comm_);
     for (int side = 0; side < 2; ++side) {
       if (modes_[side] == 0) continue;
+      // The size is that of ElasticEnd::stiffness(), which is known here without a share of the bond, too.
       std::vector<double> sums(static_cast<std::size_t>(modes_[side]) * (modes_[side] / 3 + 1), 0.0);
       if (system_) sums = system_->links.modal_stiffness(side);
       add_up(sums.data(), sums.size());
       if (system_) response_[side] = system_->links.modal_response(side, sums);
     }
   }
+  // Adds the forces due to the surfaces of elastic grains, which deform under the loads of the links.
   void add_elastic_force(const std::vector<double>& x, const Motion& motion, std::vector<double>& out, Motion& load) {
     if (modes_[0] + modes_[1] == 0) return;
     std::array<Eigen::VectorXd, 2> modes{Eigen::VectorXd::Zero(modes_[0]), Eigen::VectorXd::Zero(modes_[1])};
@@ -165,15 +168,16 @@ class Equations {
   MPI_Comm comm_;
   const StaticSystem* system_;
   std::vector<PenaltyLinks::Secant> secants_;
-  std::vector<double> inverse_;  // diagonal preconditioner, one number a node
-  std::vector<double> shift_;    // shift of the operator, one number a node
+  std::vector<double> inverse_;  // diagonal preconditioner, one number per node
+  std::vector<double> shift_;    // shift of the operator, one number per node
   int modes_[2] = {0, 0};        // numbers of modes of elastic grains, three for each scalar mode
-  Eigen::MatrixXd response_[2];  // of these modes
+  Eigen::MatrixXd response_[2];  // amplitudes of these modes for unit loads on them
   std::array<Eigen::VectorXd, 2> amplitudes_;
-  std::unique_ptr<StiffnessMatrix> matrix_;  // its factor is the preconditioner instead; null without
+  std::unique_ptr<StiffnessMatrix> matrix_;  // factorised stiffness, the preconditioner in place of inverse_; null: not factorised
 };
 
-// Motion of a grain at `arm` from the middle: translation of its centre and rotation, due to motion j about the middle.
+// Unit motion j is a translation along an axis (j < 3), or a rotation about an axis through the middle of the bond. Finds the
+// motion of a grain whose centre is at `arm` from the middle: translation of its centre, then rotation.
 void unit_motion(int j, const Vector3& arm, double* motion) {
   Vector3 t = Vector3::Zero(), turn = Vector3::Zero();
   (j < 3 ? t : turn)[j % 3] = 1.0;
@@ -184,7 +188,8 @@ void unit_motion(int j, const Vector3& arm, double* motion) {
 
 Vector3 centre(const BondEnd& s) { return Vector3(s.x[0], s.x[1], s.x[2]); }
 
-// Interpolates between the motions of the grains by the distances to their surfaces. A node inside a grain follows it.
+// First guess of the displacement of the nodes due to motion j of the second grain. It interpolates between the motions of
+// the grains by the distances to their surfaces. A node inside a grain follows it.
 std::vector<double> first_guess(const StaticSystem& p, const BondFrame& frame, int j) {
   const Grid& grid = p.grid;
   std::vector<double> x(3 * grid.size());
@@ -200,8 +205,8 @@ std::vector<double> first_guess(const StaticSystem& p, const BondFrame& frame, i
   return x;
 }
 
-// Conjugate gradients from x on. r, energy: residual and energy of x. Returns the number of steps, or more than `most`
-// without convergence.
+// Conjugate gradients from x on. r: residual of x. energy: initial energy, the scale of the criteria (kResidual). decline:
+// kDecline or kDeclineOfCracked. Returns the number of steps, or more than `most` without convergence.
 int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double decline, int most) {
   const Motion at_rest = {};
   Motion load;
@@ -268,7 +273,8 @@ StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
   std::array<std::vector<double>, 6> force;  // force of each field on the nodes
   double load_of[6][2][6];
   Motion motion[6] = {};
-  const auto energy = [&](int i, int j) {  // x_i.K x_j of fields i and j, with the motion of the second grain
+  // Mutual energy u_i.K u_j of fields i and j, with the motion of the second grain: entry ij of the stiffness of the bond.
+  const auto energy = [&](int i, int j) {
     double of_grain = 0.0;
     for (int d = 0; d < 6; ++d) of_grain -= motion[i][1][d] * load_of[j][1][d];
     return equations.all(of_grain) - equations.dot(bond.displacement[i], force[j]);

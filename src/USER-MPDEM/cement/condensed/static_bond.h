@@ -63,7 +63,7 @@ struct StaticSystem {
 struct StaticBond {
   BondFrame frame{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   Matrix6 stiffness = Matrix6::Zero();
-  std::array<std::vector<double>, 6> displacement;           // three numbers a node, constrained nodes included
+  std::array<std::vector<double>, 6> displacement;           // three numbers per node, constrained nodes included
   std::array<std::vector<Sym3<vd>>, 6> strain;               // of each block, in the material frames
   std::array<std::array<Eigen::VectorXd, 2>, 6> amplitudes;  // of the modes of elastic grains, by field and side
   Film::Strains strain_of_film;

@@ -176,7 +176,7 @@ std::vector<StiffnessOfBond> stiffness_of_bonds(const Scene& scene, std::vector<
                                       : text_of("grain ", grains.ends.ends[orphan].tag,
                                                 " has cement but was deleted or lost; use 'run 0' before, which takes the cement of "
                                                 "separated bonds out of the scene, or keep bonded grains"));
-  // cement whose grain left has no stiffness
+  // Cement whose grain left has no stiffness.
   const auto is_alone = [&](const BondLayout& l) {
     return !scene.bonds().table[l.row].has_grain(0) || !scene.bonds().table[l.row].has_grain(1);
   };

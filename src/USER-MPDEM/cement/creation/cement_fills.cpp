@@ -127,7 +127,7 @@ void CementMaker::fill_one(int fill, double most, BondTrouble& trouble) {
 // Returns how many more points fit in memory. Ranks list points while they are made, and keep their own. more: points
 // that are planned already.
 double CementMaker::most_points(double memory, double more) const {
-  constexpr double kListed = 500.0, kKept = 700.0;  // bytes a point, measured
+  constexpr double kListed = 500.0, kKept = 700.0;  // bytes per point, measured
   const double kept = kKept / ranks_;
   return std::max(1.0, (memory - kept * (atoms_before_ + created_ + more)) / (kListed + kept));
 }

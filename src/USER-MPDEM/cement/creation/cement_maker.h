@@ -111,7 +111,7 @@ class CementMaker {
   struct Batch {
     std::size_t from, to;
     std::vector<BondRecord> records;
-    std::vector<char> kept;  // of each bond: 0 if it is left out
+    std::vector<char> kept;  // for each bond: 0 if it is left out
   };
   struct Overlap {
     std::size_t bond;
@@ -119,7 +119,7 @@ class CementMaker {
     double volume;
   };
 
-  // cement_maker.cpp
+  // In cement_maker.cpp.
   void group_fills();
   std::size_t end_of_batch(std::size_t from) const;
   void make_batch(Batch& batch);
@@ -133,7 +133,7 @@ class CementMaker {
   double cells_across(const CementPlan::Kind& kind) const;
   bool narrow(const CementPlan::Kind& kind) const;
 
-  // cement_fills.cpp
+  // In cement_fills.cpp.
   void make_fills(const Batch& batch, BondTrouble& trouble);
   void fill_one(int fill, double most, BondTrouble& trouble);
   void fill_by_shape(Fill& fill, double most);
@@ -144,7 +144,7 @@ class CementMaker {
   void send_fills(const Batch& batch, const std::vector<int>& fills);
   std::vector<std::vector<char>> needed(const Batch& batch, const std::vector<int>& fills) const;
 
-  // cement_overlaps.cpp
+  // In cement_overlaps.cpp.
   double reach_of_cells() const;
   std::vector<Overlap> overlaps(const Batch& batch, int rows) const;
   void resolve(Batch& batch, const std::vector<Overlap>& found, BondTrouble& trouble);

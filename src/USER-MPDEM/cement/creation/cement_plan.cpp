@@ -20,6 +20,7 @@ constexpr double kRoundingOfLengths = 1e-9;                         // rounding 
 enum PlanCheck { geometry, shape, position_of_points, thickness };  // checks of a bond, in their order
 }  // namespace
 
+// Keeps this error if it comes before the one it has, in the order of bonds, then of checks.
 void BondTrouble::tell(std::size_t of_bond, int of_check, const std::string& why) {
   if (why.empty() || std::make_pair(of_bond, of_check) >= std::make_pair(bond, check)) return;
   bond = of_bond;
@@ -27,8 +28,9 @@ void BondTrouble::tell(std::size_t of_bond, int of_check, const std::string& why
   text = why;
 }
 
+// All ranks throw the text of the rank whose error comes first. Bond and check are one number, so one minimum finds it.
 void BondTrouble::stop(MPI_Comm comm) const {
-  constexpr long long kChecks = 16;
+  constexpr long long kChecks = 16;  // more than there are checks
   long long mine = static_cast<long long>(bond) * kChecks + check, first;
   MPI_Allreduce(&mine, &first, 1, MPI_LONG_LONG, MPI_MIN, comm);
   throw_if_any(comm, mine == first ? text : "");
@@ -40,6 +42,7 @@ std::string trouble_of_shared_id(int tag) {
       ", and cement knows its grains by their IDs; give each atom an ID of its own, in the data file it comes from for instance");
 }
 
+// Velocity of a rigid motion of each grain at the position, weighted by the distance to the surface of the other grain.
 std::array<double, 3> velocity_between(const GrainToBond* grain, const std::array<double, 3>* arm) {
   double distance[2];
   for (int s = 0; s < 2; ++s) distance[s] = std::max(length(arm[s].data()) - grain[s].radius, 0.0);
@@ -60,17 +63,18 @@ std::string CementPlan::prefix(const PlannedBond& bond) {
   return text_of("create_cement pair ", bond.grain[0].tag, " ", bond.grain[1].tag, ": ");
 }
 
-// Rounding of positions must not strain bonds noticeably. length: length of what is strained. The limit is low because
-// links are a hundred times as stiff as the cement, and rounding loads them as much more.
+// Rounding of positions must not strain bonds noticeably. length: length over which an error of position is a strain.
+// The limit is low since links are a hundred times as stiff as the cement: the same error is a stress a hundred times as
+// large there.
 std::string CementPlan::error_of_position(const PlannedBond& bond, double length) {
   constexpr double kMostStrain = 1e-8;
-  double far = 0.0;
+  double largest = 0.0;  // coordinate
   for (const GrainToBond& g : bond.grain)
-    for (double x : g.x) far = std::max(far, std::fabs(x));
-  const double rounded = std::numeric_limits<double>::epsilon() * far;
-  if (!(rounded > kMostStrain * length)) return "";
-  return text_of("grains ", bond.grain[0].tag, " and ", bond.grain[1].tag, " are ", far,
-                 " from the origin, where positions are rounded to ", rounded, ", too much for a length of ", length,
+    for (double x : g.x) largest = std::max(largest, std::fabs(x));
+  const double rounding = std::numeric_limits<double>::epsilon() * largest;
+  if (!(rounding > kMostStrain * length)) return "";
+  return text_of("grains ", bond.grain[0].tag, " and ", bond.grain[1].tag, " are ", largest,
+                 " from the origin, where positions are rounded to ", rounding, ", too much for a length of ", length,
                  "; place the box nearer to the origin, within ", kMostStrain * length / std::numeric_limits<double>::epsilon());
 }
 
@@ -80,8 +84,8 @@ std::string CementPlan::trouble_of_geometry(PlannedBond& bond) const {
   const Vector3 centres = bond.between = box_.shortest(Vector3(g1.x[0] - g0.x[0], g1.x[1] - g0.x[1], g1.x[2] - g0.x[2]));
   bond.pair = pair_between(g0.radius, g1.radius, centres);
   const double gap = bond.pair.gap, smaller = std::min(g0.radius, g1.radius), reach = 0.5 * smaller;
-  const std::string far = error_of_position(bond, smaller);
-  if (!far.empty()) return far;
+  const std::string too_far = error_of_position(bond, smaller);
+  if (!too_far.empty()) return too_far;
   if (!(centres.norm() > 0.0) || !(gap <= reach * (1.0 + kRoundingOfLengths)))
     return text_of("grains ", g0.tag, " and ", g1.tag, " are not neighbours: their gap ", gap, " exceeds half the smaller radius, ", reach,
                    "; bring them together or name other grains");
@@ -98,6 +102,8 @@ void CementPlan::choose_axes(PlannedBond& bond) {
   bond.pair = pair_between(bond.pair.R1, bond.pair.R2, bond.between.norm() * axes.n);
 }
 
+// Checks the grains of each pair, then finds contents, kinds and shapes. An error ends the loop on all ranks alike, since
+// all have the same pairs and grains. Errors of shapes are found by one rank each; BondTrouble::stop() tells the others.
 void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
                       const std::function<void(CementRequest&)>& read_words, const Choice& choice) {
   std::unordered_multimap<int, GrainToBond> grain_of;
@@ -123,7 +129,7 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
       trouble.tell(n, geometry, prefix(bond) + why);
       break;
     }
-    if (n == 0) read_words(wish_);
+    if (n == 0) read_words(wish_);  // only now, so that wrong grains are reported before wrong options
     if (const double most = 0.5 * std::min(bond.pair.R1, bond.pair.R2); wish_.spacing > most) {
       trouble.tell(n, geometry,
                    prefix(bond) + text_of("'spacing ", wish_.spacing, "' is more than half the smaller radius, ", most,
@@ -131,8 +137,8 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
       break;
     }
     if (wish_.file.empty()) choose_axes(bond);  // points of a file lie along the axes of the box
-    const std::string far = error_of_position(bond, wish_.spacing);
-    if (!far.empty()) trouble.tell(n, position_of_points, prefix(bond) + far);
+    const std::string too_far = error_of_position(bond, wish_.spacing);
+    if (!too_far.empty()) trouble.tell(n, position_of_points, prefix(bond) + too_far);
     bonds_.push_back(bond);
   }
   if (wish_.contents.acts() && trouble.text.empty()) choose_contents(choice);
@@ -142,7 +148,7 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
   share_kinds();
 }
 
-// Leaves out pairs that get no cement.
+// Sets the content of each bond, and leaves out pairs that get no cement.
 void CementPlan::choose_contents(const Choice& choice) {
   const std::vector<double> contents = choice(*this);
   std::vector<PlannedBond> kept;
@@ -153,7 +159,8 @@ void CementPlan::choose_contents(const Choice& choice) {
   bonds_.swap(kept);
 }
 
-// Kinds are compared bitwise. Each bond with points of a file is a kind of its own.
+// Bonds of one kind have the same shape. A kind is known by the bits of the numbers that decide the shape. Each bond with
+// points of a file is a kind of its own.
 int CementPlan::kind_of(std::size_t n, std::unordered_map<std::string, int>& kinds) {
   const PlannedBond& bond = bonds_[n];
   const GrainPair& p = bond.pair;
@@ -182,7 +189,7 @@ void CementPlan::measure_kinds(BondTrouble& trouble) {
       kind.thinnest = made.smallest_thickness();
       const FilmFill& film = film_of(static_cast<int>(k));
       kind.film_share = (film.area[0] + film.area[1]) / (kind.area[0] + kind.area[1]);
-      if (film.all) continue;
+      if (film.all) continue;  // the rest is about the part that cells fill
       kind.thickness = made.largest_thickness();
       kind.width = made.spans() - film.to;
       if (kind.thickness < kCellOfPoints * wish_.spacing && !is_seam(made, wish_.spacing))
@@ -196,6 +203,7 @@ void CementPlan::measure_kinds(BondTrouble& trouble) {
   }
 }
 
+// Gives the sizes of all kinds to all ranks. A kind is zero on all ranks but the one that measured it.
 void CementPlan::share_kinds() {
   constexpr int kNumbers = 7;
   const int ranks = ranks_of(comm_), me = rank_in(comm_);
@@ -240,7 +248,7 @@ std::pair<double, double> CementPlan::content_bounds(const PlannedBond& bond) co
     try {
       make_shape(w, bond.pair, too_much, inner_of(bond));
     } catch (const VolumeError& e) {
-      // bounds themselves may be out of reach by rounding
+      // By rounding, a shape may refuse its own bounds.
       constexpr double kInside = 1e-9;
       return {e.least * (1.0 + kInside) * to_content, e.most * (1.0 - kInside) * to_content};
     }
@@ -270,7 +278,7 @@ const Shape& CementPlan::shape_of(int kind) {
   std::unique_ptr<Shape> shape;
   if (made.size() == 1) shape = std::move(made.front());
   else shape = std::make_unique<Composite>(std::move(made));
-  // with 'inner auto' no cement is too thin for cells, but film_fill() would make all of a narrow bond film
+  // With 'inner auto' no cement is too thin for cells. film_fill() would still make all of a narrow bond film.
   if (wish_.film && wish_.inner_rule != CementRequest::two_spacings) k.film = film_fill(*shape, wish_.spacing);
   if (!k.film.empty() && !k.film.all) k.resolved = shape->with_inner(k.film.to);
   k.shape = std::move(shape);

@@ -31,21 +31,21 @@ using GrainTags = std::pair<int, int>;  // a pair of tags, ascending
 struct CementRequest {
   std::vector<ShapeWords> shapes;
   std::string file;     // file from which points are read; empty: points are made of shapes
-  double attach = 0.0;  // with a file, see PointFileOptions
+  double attach = 0.0;  // PointFileOptions::attach; used with a file only
   double spacing = 0.0, density = 0.0;
   enum Inner {
     usual,
     two_spacings,
     given
-  } inner_rule = usual;                // usual: GrainPair::usual_inner(); two_spacings: where the gap is that wide
-  double inner = 0.0;                  // inner radius, if given
+  } inner_rule = usual;                // which inner radius: usual_inner(), that at which the gap is two spacings wide, or `inner`
+  double inner = 0.0;                  // radius about the line of centres within which there is no cement
   double share = GrainPair::kLeftOut;  // argument of GrainPair::usual_inner()
   bool film = true;                    // cement that is too thin for cells is film
   double grid[3] = {0, 0, 0};          // origin of the grid from the middle of the gap
   enum Overlap { error, skip, trim } overlap = error;
   bool later = false;  // true: points are made when they are needed
-  // Numbers of the materials: of points in no shape with one of its own, and of each shape, -1 if it has none. A point is of the first
-  // shape that contains it. materials: how many the scene has.
+  // material_of_shape: number of the material of each shape, -1 if the shape has none of its own. material: number for the
+  // points of such shapes. A point belongs to the first shape that contains it. materials: how many the scene has.
   int material = 0, materials = 1;
   std::vector<int> material_of_shape;
   int material_of(int shape) const {
@@ -103,27 +103,30 @@ class CementPlan {
   void make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
             const std::function<void(CementRequest&)>& read_words, const Choice& choice = {});
 
-  // Bonds of bitwise identical radii, gap, direction in the axes of the bond, and mass of the grains.
+  // A set of bonds that have the same shape: radii, gap, direction in the axes of the bond, mass of the grains and bond
+  // content are bitwise identical.
   struct Kind {
     std::size_t first;  // the first bond of the kind
     // Made by shape_of(). shape: null until it is made, or if points come from a file. resolved: the part that cells
     // fill, null: all of it.
     std::unique_ptr<Shape> shape, resolved;
     FilmFill film;  // known with `shape`
-    // Known to all ranks. thickness, thinnest: largest and smallest thickness. film_share: share of the film in the
-    // attached area. width: of the part that reaches from grain to grain, without the film.
+    // Sizes that all ranks know. area: attached area. thickness: largest thickness, 0 if all of it is film. thinnest:
+    // smallest thickness. film_share: share of the film in the attached area. width: radial width of the part that
+    // reaches from grain to grain, without the film.
     double volume = 0, area[2] = {0, 0}, thickness = 0, thinnest = 0, film_share = 0, width = 0;
   };
+  // A neighbour of a bond.
   struct Near {
-    std::size_t bond;
-    Vector3 apart;            // vector to its middle, in the axes of the bond that it is near to
-    Eigen::Quaterniond turn;  // rotation from these axes to its own
+    std::size_t bond;         // index of the neighbour
+    Vector3 apart;            // from the middle of the bond to that of the neighbour, in the axes of the bond
+    Eigen::Quaterniond turn;  // rotation from the axes of the bond to those of the neighbour
   };
   const CementRequest& wish() const { return wish_; }
   const SceneBox& box() const { return box_; }
   const std::vector<PlannedBond>& bonds() const { return bonds_; }
   const Kind& kind_of(std::size_t bond) const { return kinds_[bonds_[bond].kind]; }
-  double points_expected(std::size_t bond) const;
+  double points_expected(std::size_t bond) const;  // volume over the volume of a lattice cell
   // Least and largest content that the shape with `content` allows between these grains. Throws ShapeError.
   std::pair<double, double> content_bounds(const PlannedBond& bond) const;
   // Makes the shape when it is first asked for. Throws ShapeError.

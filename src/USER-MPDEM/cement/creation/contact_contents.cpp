@@ -63,7 +63,7 @@ double ContactContents::weight(const PairToCement& pair) const {
   if (wish_.spread == ContentWish::file) return by_pair_.at(pair.tags);
   const double u = draw_of_pair(wish_.seed, pair.tags, kContent);
   if (wish_.spread == ContentWish::uniform) return wish_.first + u * (wish_.second - wish_.first);
-  const double square = std::log1p(wish_.second * wish_.second);  // of the deviation of the logarithm
+  const double square = std::log1p(wish_.second * wish_.second);  // variance of the logarithm
   return wish_.first * std::exp(std::sqrt(square) * normal_quantile(u) - 0.5 * square);
 }
 

@@ -24,8 +24,8 @@ struct ContentWish {
   double first = 0.0, second = 0.0;  // lognormal: mean and coefficient of variation; uniform: least and largest
   std::string file_name;
   int seed = 0;
-  double share = 1.0;    // of the pairs that get cement
-  bool nearest = false;  // those of the smallest gap instead of drawn ones
+  double share = 1.0;    // share of all pairs that gets cement
+  bool nearest = false;  // true: cement is at the pairs with the smallest gaps; false: at drawn pairs
   enum Pattern { contact, bridging, coating, filling };
   static constexpr int kPatterns = 4;
   double calcite = 0.0;                           // over the mass of the grains; 0: contents are as given
@@ -63,7 +63,7 @@ class ContactContents {
   // Returns the content of each pair, 0 where there is no cement. Throws BadState if `calcite` is out of reach.
   std::vector<double> choose(const std::vector<PairToCement>& pairs, const Bounds& bounds);
 
-  // Of the pairs of the last choose():
+  // Pattern of a pair, and numbers of pairs, as the last choose() found them.
   ContentWish::Pattern pattern_of(const PairToCement& pair) const;
   int cemented(ContentWish::Pattern p) const { return cemented_[p]; }
   int candidates(ContentWish::Pattern p) const { return candidates_[p]; }

@@ -19,7 +19,7 @@ std::vector<std::pair<int, int>> contacts(const std::vector<Sphere>& spheres, co
   const double reach = 2.0 * widest + gap;
   for (const Sphere& g : spheres) {
     sorted.push_back({g.x[0], &g});
-    // image of the grain beyond the upper face, for grains near that face
+    // A grain near the lower face has an image beyond the upper face, for the grains there.
     if (box.periodic[0] && g.x[0] - box.low[0] <= reach) sorted.push_back({g.x[0] + box.period[0], &g});
   }
   std::sort(sorted.begin(), sorted.end(),

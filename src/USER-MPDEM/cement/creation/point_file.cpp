@@ -224,7 +224,7 @@ struct FullLattice {
     for (const FillPoint& p : points)
       if (p.volume > 0.99 * largest_volume) full.push_back(p);
     corner = beside_the_points(full, spacing);
-    // a corner that is within rounding of the corner that shapes use becomes that corner
+    // Shapes use the corner 0. A corner that differs by rounding of the file becomes the same.
     if (corner.cwiseAbs().maxCoeff() < 1e-3 * spacing) corner.setZero();
     regular = is_lattice(points, full, corner, spacing);
   }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Material points of a bond from a text file, as measured by X-ray CT or written by write_cement. Lines are comments
-// (from # to the end of the line), one line with the names of the columns, and one line a point. Columns, in any order:
+// Material points of a bond from a text file, as measured by X-ray CT or written by write_cement. The first line names
+// the columns, and each further line has one point. A comment goes from # to the end of its line. Lengths and volumes are
+// in the units of the script, damage is from 0 to 1. Columns, in any order:
 //   x y z, volume                      position in the box, reference volume
 //   ax ay az                           axis of the elasticity
 //   dxx dyy dzz dyz dxz dxy            damage, components in the axes of the box
@@ -11,14 +12,16 @@
 //   grain_i grain_j                    IDs of the grains; lines of other pairs are left out
 //   area_i area_j                      attached area of the point at the grain of the smaller /
 //                                      the larger ID
-//   foot_ix foot_iy foot_iz, foot_j.   foot point on the surface (else the nearest one)
+//   foot_ix foot_iy foot_iz            foot point on the surface of grain i; without these columns, the nearest one
+//   foot_jx foot_jy foot_jz            the same on grain j
 //   attached_i attached_j              0: the link to that grain has debonded
-//   damage_i damage_j                  damage of that link, for traction laws that know it;
-//                                      points that failed may then be attached
+//   damage_i damage_j                  damage of that link, for traction laws that have it. With these columns a failed
+//                                      point may be attached, as residue; without them it is not
 // Points lie on a cubic lattice along the axes of the box. They may also lie along those of the bond
-// (geometry/bond_axes.h), like points of shapes. Without the area columns, points within `attach` of a surface are
-// attached to it with the area V R^2/(r^2 attach), where V is the volume of the point, R the radius of the grain and r
-// the distance to its centre. For cement of that thickness this sums up to the area of the sphere.
+// (geometry/bond_axes.h), like points of shapes. Without the area columns, points within the distance `attach` of a
+// surface are attached to it with the area V R^2/(r^2 attach), where V is the volume of the point, R the radius of the
+// grain and r the distance to its centre. V/attach is the area of the point in a layer of the thickness `attach`, and
+// R^2/r^2 projects it onto the sphere. Where the cement is thinner than `attach`, its thickness takes that place.
 #ifndef MPDEM_CEMENT_CREATION_POINT_FILE_H
 #define MPDEM_CEMENT_CREATION_POINT_FILE_H
 
@@ -35,8 +38,9 @@ namespace mpdem {
 struct PointFileOptions {
   int tag[2] = {0, 0};  // tags of the grains, ascending
   double spacing = 0;
-  double attach = 0;                // 0: one spacing
-  int material = 0, materials = 1;  // number of the material of points where the file has no column of it; how many materials there are
+  double attach = 0;  // largest distance of attached points from the surface, without area columns; 0: one spacing
+  int material = 0;   // number of the material of all points, if the file has no column `material`
+  int materials = 1;  // how many materials the scene has
   // Converts a position in the box to coordinates from the middle of the gap, for the nearest periodic image.
   std::function<Vector3(const Vector3&)> to_bond = [](const Vector3& x) { return x; };
 };
@@ -44,16 +48,18 @@ struct PointFileOptions {
 struct PointCloud {
   std::vector<FillPoint> points;                             // points in the axes of the lattice
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rotation from these axes to those of the box
-  // Corner of a lattice in which each point has a cell of its own, from the middle of the gap. It is 0 if that is
-  // possible, else half a cell beside the points.
+  // A lattice needs a cell of its own for each point. corner: position of its corner from the middle of the gap. It is 0
+  // unless two points would share a cell, or a point would lie on a face.
   Vector3 corner = Vector3::Zero();
-  // Corner of the lattice that has the points of full cells at the centres of its cells, if there is one (`regular`).
-  // Otherwise this is `corner`.
-  Vector3 lattice = Vector3::Zero();
+  // True if there is a lattice with the points of full cells at the centres of its cells. lattice: its corner, or
+  // `corner` if there is none.
   bool regular = false;
-  double largest_volume = 0;
-  double volume = 0, thickness = 0, attached_area[2] = {0, 0};
-  // Grains that lines of other pairs name, ascending, with the first such line.
+  Vector3 lattice = Vector3::Zero();
+  double largest_volume = 0;  // largest volume of a point
+  double volume = 0;          // sum over all points
+  double thickness = 0;       // largest thickness of the cement, see BondRecord::thickness
+  double attached_area[2] = {0, 0};
+  // Grains of other pairs that the file has, ascending, with the number of the first line that names each.
   std::map<int, int> other_grains;
 };
 

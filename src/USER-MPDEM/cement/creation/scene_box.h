@@ -17,9 +17,9 @@ namespace mpdem {
 struct SceneBox {
   double low[3] = {0, 0, 0}, high[3] = {0, 0, 0}, period[3] = {0, 0, 0};  // period: width, also where not periodic
   bool periodic[3] = {false, false, false};
-  double own_low[3] = {0, 0, 0}, own_high[3] = {0, 0, 0};
+  double own_low[3] = {0, 0, 0}, own_high[3] = {0, 0, 0};  // subdomain of this rank
 
-  // Returns the shortest of the vectors from a position to the images of another, given any of them.
+  // any_vector: vector from a position in the box to any periodic image of another. Returns the vector to the nearest image.
   Vector3 shortest(const Vector3& any_vector) const {
     Vector3 d = any_vector;
     for (int c = 0; c < 3; ++c)

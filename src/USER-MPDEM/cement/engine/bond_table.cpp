@@ -19,7 +19,7 @@ double moment(const BondState& b) {
 }
 
 template <int side>
-double share(const BondState& b) {
+double share_of_fracture_surface(const BondState& b) {
   return b.share[side];
 }
 
@@ -33,7 +33,8 @@ double links(const BondShare& b) {
 
 double points(const BondShare& b) { return b.points.points; }
 
-// Area of the links or contact points that count, over the attached area of the grain at creation.
+// Part of this rank in: area of the links or contact points of `list` for which `counts` is true, over the attached area
+// of that grain at creation.
 template <class List, class Counts>
 double share_of_area(const BondShare& b, int side, List PointStore::*list, Counts counts) {
   double area = 0.0;
@@ -53,7 +54,7 @@ double touching_share(const BondShare& b) {
   return share_of_area(b, side, &PointStore::contacts, [](const ContactPoint& p) { return p.closed; });
 }
 
-// Share of this rank in the mean over the volume of the bond.
+// Part of this rank in the mean of `factor` over the volume of the bond.
 template <class F>
 double mean_over_volume(const BondShare& b, F factor) {
   double sum = 0.0;
@@ -87,7 +88,7 @@ std::vector<BondColumn> columns() {
       {"my2", "the same along y", moment<1, 1>},
       {"mz2", "the same along z", moment<1, 2>},
       {"gap", "gap between the grains", &BondState::gap},
-      {"tension", "mean force along the line of centres", &BondState::tension},
+      {"tension", "force along the line of centres, mean of both ends; positive in tension", &BondState::tension},
       {"points", "points", points},
       {"attached", "links attached", links<true>},
       {"debonded", "links that debonded", links<false>},
@@ -96,8 +97,8 @@ std::vector<BondColumn> columns() {
       {"mean_damage", "its mean over the volume", &BondState::mean_damage},
       {"peak_tension", "largest tension of all steps so far", &BondState::peak},
       {"separated", "1 once separated, else 0", &BondState::separated},
-      {"share_grain1", "share of the fracture surface at the first grain", share<0>},
-      {"share_grain2", "share of it at the second grain", share<1>},
+      {"share_grain1", "share of the fracture surface at the first grain", share_of_fracture_surface<0>},
+      {"share_grain2", "share of it at the second grain", share_of_fracture_surface<1>},
       {"elastic_energy", "elastic energy of all bonds", &CementTotals::elastic},
       {"kinetic_energy", "kinetic energy of all bonds", &CementTotals::kinetic},
       {"coupling_energy", "energy of the coupling of all bonds", &CementTotals::coupling},
@@ -121,16 +122,17 @@ std::vector<BondColumn> columns() {
   };
 }
 
-using OfShare = double (*)(const BondShare&);
+using PartOfSum = double (*)(const BondShare&);
 
 }  // namespace
 
+// Columns that are sums over ranks get their index in BondState::sums here.
 const std::vector<BondColumn>& bond_columns() {
   static const std::vector<BondColumn> all = [] {
     std::vector<BondColumn> list = columns();
     int sums = 0;
     for (BondColumn& c : list)
-      if (std::holds_alternative<OfShare>(c.found)) c.sum = sums++;
+      if (std::holds_alternative<PartOfSum>(c.found)) c.sum = sums++;
     return list;
   }();
   return all;
@@ -142,6 +144,8 @@ int summed_columns() {
   return sums;
 }
 
+// Sums need a loop over points or links. So do these three fields, which Report finds by PointSums; loads of the bonds are
+// known without such a loop.
 bool BondColumn::needs_points() const {
   const auto* field = std::get_if<double BondState::*>(&found);
   return sum >= 0 || (field && (*field == &BondState::failed || *field == &BondState::largest_damage || *field == &BondState::mean_damage));
@@ -155,7 +159,7 @@ double BondColumn::value(const BondState& bond) const {
 
 void add_to_sums(const BondShare& share, double* sums) {
   for (const BondColumn& c : bond_columns())
-    if (c.sum >= 0) sums[c.sum] += std::get<OfShare>(c.found)(share);
+    if (c.sum >= 0) sums[c.sum] += std::get<PartOfSum>(c.found)(share);
 }
 
 }  // namespace mpdem

@@ -54,7 +54,7 @@ struct BondState {
 };
 
 struct BondColumn {
-  const char* name;         // in the head of the CSV file
+  const char* name;         // name in the header line of the CSV file
   const char* description;  // text in the table of doc/fix_mpm_couple.md
   // How the value is found: a field or a function of the state of the bond, a total over all bonds, or a sum over the
   // shares of the bond.

@@ -159,7 +159,9 @@ void Cement::read_commanded_velocities() {
   if (!scene_.penalty || !grains.find_commands(scene_.comm, condensed_.pack())) return;
   scene_.energy.do_work(condensed_.work_of_commands(scene_.bonds(), scene_.dt_last));
   if (added_.any()) {
-    // Work of forces on the nodes, in the second half of the last step, on the velocity kick() times the acceleration.
+    // A command changes accelerations through the added mass, so forces on the nodes do another work in the second half of
+    // the last step. work() is the part of this work that depends on the accelerations: on the velocity kick() times the
+    // acceleration.
     const auto work = [&](auto of_bond) {
       double sum = 0.0;
       for (const Bond& b : scene_.bonds().resolved()) sum += of_bond(b, b.grid.acceleration);
@@ -184,7 +186,7 @@ void Cement::start_run() {
   if (scene_.penalty && scene_.rows_started < static_cast<int>(scene_.bonds().table.size()))
     grains.start_added_mass(scene_.comm, scene_.bonds(), scene_.rows_started, added_.any(), scene_.energy);
   condensed_.follow(grains, scene_.weight().data());
-  std::vector<std::vector<double>> before;
+  std::vector<std::vector<double>> before;  // accelerations of the last run
   const bool new_step = scene_.rows_started > 0 && scene_.now.dt != scene_.dt_last;
   if (new_step)
     for (const Bond& b : scene_.bonds().resolved()) before.push_back(b.grid.acceleration);
@@ -210,8 +212,9 @@ void Cement::correct_half_kicks(const std::vector<std::vector<double>>& accelera
   }
 }
 
-// Shifts the velocities of new bonds back by half a step. Their energy counts from here, with the work of the first
-// half step, which is ahead.
+// Shifts the velocities of new bonds back by half a step, as central differences store them. The energy of new bonds is
+// counted from here, with the work of the first half step, which is counted in advance. The kinetic energy is the one
+// that central differences conserve: the product of the velocities half a step before and after.
 void Cement::start_bonds() {
   const int rows = static_cast<int>(scene_.bonds().table.size());
   if (scene_.rows_started == rows) return;
@@ -279,7 +282,7 @@ void Cement::take_substeps() {
 void Cement::advance() {
   const FlushDenormals flush;
   BondedGrains& grains = scene_.grains;
-  // motion of the grains to their present positions
+  // Grains: motion to their present positions, and contact points of failed points.
   grains.update_kinematics(scene_.now.dt, scene_.dt_last, static_cast<long>(scene_.now.number), scene_.energy);
   scene_.timer.start(StepTimer::kCoupling);
   const std::vector<int> moved = remap_contacts(scene_);
@@ -287,28 +290,28 @@ void Cement::advance() {
   condensed_.follow(grains, scene_.weight().data());
   grains.clear_sudden_forces();
   added_.follow_contacts(moved);
-  // separation of bonds and node splitting
+  // Separation of bonds and node splitting.
   topology_.update();
-  // nodes, points, links
+  // Motion of nodes, then stress of points, then internal forces and forces of links.
   forces_.begin(scene_.now.dt);
   kinematics_->advance();
   forces_.end_pass();
-  // accelerations of nodes and grains
+  // Accelerations of free grains, then of nodes.
   condensed_.pack().find_jump_loads(scene_.now.dt);
   forces_.find_accelerations();
   scene_.energy.end_step_of_dampers(work_.over_step(work_.of_dampers(0)), work_.over_step(work_.of_friction()));
   kinematics_->account_for_accelerations();
-  // loads on the grains
+  // Loads on the grains.
   scene_.timer.start(StepTimer::kCoupling);
   grains.save_loads();
   forces_.react();
-  // activate bonds, and condense bonds again
+  // Bonds near their threshold are activated, and resting bonds condensed again.
   scene_.timer.hold(StepTimer::kCondensing);
   if (condensing_.change()) find_forces_anew();
   scene_.timer.stop();
 }
 
-// As at the start of a run, so that a run divided at this step gives the same result.
+// Finds the forces in the way of the start of a run, so that a run divided at this step gives the same result.
 void Cement::find_forces_anew() {
   scene_.grains.restore_loads();
   scene_.grains.distribute(scene_.bonds());

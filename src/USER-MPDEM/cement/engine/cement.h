@@ -200,7 +200,7 @@ class Cement {
   Substeps substeps_{scene_};
   PieceContact contact_;
   Report report_{scene_, discontinuities_.cracks, condensed_, contact_};
-  bool restored_ = false;  // from a restart file
+  bool restored_ = false;  // the state came from a restart file
   Stage stage_ = Stage::none;
 };
 

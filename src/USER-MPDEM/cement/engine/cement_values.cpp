@@ -25,6 +25,7 @@ double momentum_left(const CementTotals& t) {
 
 }  // namespace
 
+// Name, description for doc/fix_mpm.md, how the value is found, and whether it needs contact forces of LIGGGHTS.
 const std::vector<CementValue>& cement_values() {
   static const std::vector<CementValue> all = {
       {"points", "points", field<&CementTotals::points>},
@@ -40,8 +41,8 @@ const std::vector<CementValue>& cement_values() {
       {"external_work", "work of grains and gravity on the cement", field<&CementTotals::external_work>},
       {"energy_imbalance", "imbalance of the energy, relative; 0 at rest", field<&CementTotals::imbalance>},
       {"momentum_x",
-       "momentum, with that of impulses that grains get in the next step; with `transfer flip A` off by some 1e-6 of the relative "
-       "motion in steps with a transfer, and back in the next",
+       "momentum of the cement and of impulses that grains get in the next step; with `transfer flip A` it deviates by some 1e-6 of the "
+       "relative motion in a step with a transfer, and no longer in the next",
        momentum<0>},
       {"momentum_y", "the same along y", momentum<1>},
       {"momentum_z", "the same along z", momentum<2>},
@@ -54,10 +55,10 @@ const std::vector<CementValue>& cement_values() {
       {"mixed", "of these mixed", field<&CementTotals::mixed>},
       {"friction_energy", "energy that friction took", field<&CementTotals::frictional>},
       {"awake", "bonds that are resolved, all without `condense`", field<&CementTotals::resolved>},
-      {"substeps", "sub-steps of the cement in a step", nullptr},
+      {"substeps", "sub-steps of the cement in a step", nullptr},  // fix mpm has it
       {"broken", "bonds that are broken, separated or not", field<&CementTotals::broken>},
       {"points_left", "points that [left the scene](#what-may-leave)", [](const CementTotals& t) { return t.left.points; }},
-      {"mass_left", "their mass, of the calcite without the scale of the inertia", [](const CementTotals& t) { return t.left.mass; }},
+      {"mass_left", "their mass as calcite, without mass scaling", [](const CementTotals& t) { return t.left.mass; }},
       {"momentum_left_x", "momentum that left", momentum_left<0>},
       {"momentum_left_y", "the same along y", momentum_left<1>},
       {"momentum_left_z", "the same along z", momentum_left<2>},

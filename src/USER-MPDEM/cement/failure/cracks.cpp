@@ -185,7 +185,7 @@ bool Cracks::add_bonds(std::size_t rows) {
 
 void Cracks::forget_cement(int row) {
   if (static_cast<std::size_t>(row) >= states_.size()) return;
-  states_[row].broken_seen = 0.0;  // as there is nothing to be seen
+  states_[row].broken_seen = 0.0;  // without points there is nothing to be seen
   states_[row].path.clear();
 }
 
@@ -262,7 +262,7 @@ std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool w
   std::vector<int> examined;
   for (std::size_t n = 0; n < rows.size(); ++n) {
     State& s = states_[rows[n]];
-    // note_film_failure() marks the bond once the film has failed
+    // Film that carries load joins the grains. Once it has failed, note_film_failure() marks the bond.
     if (now[2 * n + 1] > 0.0 || now[2 * n] == s.broken_seen) continue;
     s.broken_seen = now[2 * n];
     examined.push_back(rows[n]);
@@ -277,7 +277,7 @@ Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const Ceme
   if (examined.empty()) return found;
   const int ranks = ranks_of(comm);
 
-  // entries of bonds that another rank examines are empty
+  // Entries of bonds that another rank examines are empty.
   const WholeBonds whole = collect(comm, bonds, examined, options);
   std::vector<std::vector<Connected>> of_points(ranks);
   std::vector<std::vector<OfPath>> paths(ranks);
@@ -348,7 +348,7 @@ std::vector<Cracks::LigamentReport> Cracks::find_ligaments(MPI_Comm comm, const 
     if (const Bond* bond = bonds.find(row)) {
       const Film::Areas film = bond->film.areas();
       const double face = bonds.table[row].spacing * bonds.table[row].spacing;
-      found[kWords * b] += film.intact / face;  // as points across the line of centres would count
+      found[kWords * b] += film.intact / face;  // the number of lattice points that would fill this area
       found[kWords * b + 1] += film.all() / face;
       for (int g = 0; g < 2; ++g) found[kWords * b + 2 + g] += film.at_grain[g];
       found[kWords * b + 4] += film.inside + film.intact;

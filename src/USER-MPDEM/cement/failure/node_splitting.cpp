@@ -56,7 +56,7 @@ SentPoint sent_point(const PointStore& points, int row, const BondRecord& record
   p.tag = points.tags[b][l];
   for (int d = 0; d < 3; ++d) {
     p.cell[d] = position.cell[d];
-    // the block of a point that was received has no cell yet
+    // The block of a point that was received has no cell yet.
     p.base[d] = support_base(points.blocks[b].X[d][l], 1.0 / options.cell, cell_shift(options.basis));
     p.at[d] = points.blocks[b].X[d][l] / options.cell - p.base[d];
   }
@@ -273,7 +273,7 @@ NodeSplitting::Found NodeSplitting::find_splits(MPI_Comm comm, Bonds& bonds, con
   Found found;
   const int ranks = ranks_of(comm), me = rank_in(comm), n = static_cast<int>(bonds.table.size());
   std::vector<std::vector<SentTag>> out(ranks);
-  // a bond with such points is not condensed, see Condensing::rests()
+  // A bond with such points is not condensed, see Condensing::rests().
   const auto is_due = [&](const Bond& b) { return from == kResolved ? bonds.is_resolved(b) : b.row >= from; };
   for (const Bond& bond : bonds)
     for (std::size_t b = 0, end = is_due(bond) ? bond.points.meta.size() : 0; b < end; ++b) {
@@ -323,12 +323,13 @@ NodeChange NodeSplitting::separate(int row, const std::vector<PointOfPiece>& pie
   return change;
 }
 
-NodeSplitting::Found NodeSplitting::split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds came) {
+NodeSplitting::Found NodeSplitting::split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options,
+                                                 SeparatedBonds newly_separated) {
   Found found;
-  found.lay_out = std::move(came.rows);
+  found.lay_out = std::move(newly_separated.rows);
   const int n = static_cast<int>(bonds.table.size());
   std::vector<char> wanted(n, 0), changed(n, 0);
-  for (const auto& p : came.pieces) wanted[p.first] = row(p.first).lattice ? kHasLattice : kToCollect;
+  for (const auto& p : newly_separated.pieces) wanted[p.first] = row(p.first).lattice ? kHasLattice : kToCollect;
   MPI_Allreduce(MPI_IN_PLACE, wanted.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
   for (Bond& bond : bonds)
     if (wanted[bond.row])
@@ -340,8 +341,8 @@ NodeSplitting::Found NodeSplitting::split_pieces(MPI_Comm comm, Bonds& bonds, co
     if (!wanted[r]) continue;
     rows.push_back(r);
     changes.emplace_back();
-    const auto p = came.pieces.find(r);
-    if (p == came.pieces.end()) continue;
+    const auto p = newly_separated.pieces.find(r);
+    if (p == newly_separated.pieces.end()) continue;
     changes.back() = separate(r, p->second, options);
     changed[r] = !changes.back().moved.empty() || !changes.back().rows.empty();
   }

@@ -67,7 +67,7 @@ class NodeSplitting {
     std::map<int, std::vector<PointOfPiece>> pieces;  // points of bonds with pieces to separate, on the examining ranks
   };
   // Collective. Separates the nodes of the pieces of these bonds.
-  virtual Found split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds came);
+  virtual Found split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds newly_separated);
   // Collective. Fetches the phantom nodes of bonds whose points came to this rank.
   virtual void fetch_copies(MPI_Comm comm, const Bonds& bonds);
 
@@ -75,8 +75,8 @@ class NodeSplitting {
   // ascending, the same on all ranks.
   virtual void remove_volume(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows);
 
-  // For restart files. rows_to_keep() returns the rows of the bonds that this rank examines, restore() takes those of
-  // all bonds.
+  // These two are for restart files. rows_to_keep() returns the rows of the bonds that this rank examines, restore() takes
+  // those of all bonds.
   std::map<Key, PhantomNodes::Row> rows_to_keep(MPI_Comm comm) const;
   void restore(std::size_t bonds, std::map<Key, PhantomNodes::Row> rows) {
     rows_.clear();
@@ -108,7 +108,7 @@ class NodeSplitting {
   // The next node of the start in a direction (see EdgeNodes), or kNoNode.
   Key next(const Key& at_start, int direction) const;
   // Volumes of the copies at these nodes of one bond: 0 for a node that is not the representative of its copy, -1 for a
-  // node that is not split. Empty if the points' own volumes count at all nodes.
+  // node that is not split. The list is empty if the masses of all nodes follow from the volumes of the points.
   std::vector<double> volumes(const std::vector<Key>& keys, const CementOptions& options) const;
   // Constraints of a grid with these nodes.
   virtual std::vector<ExtensionConstraint> constraints(const std::vector<Key>& keys) const;
@@ -124,15 +124,15 @@ class NodeSplitting {
   struct Row {
     PhantomNodes copies;
     std::vector<ExtensionConstraint> edges;
-    std::vector<std::pair<Key, int>>
-        dependents;                         // master or mass receiver, and index of its constraint in `edges`; ascending, made on first use
+    // Each master or mass receiver, with the index of its constraint in `edges`. Ascending, made on first use.
+    std::vector<std::pair<Key, int>> dependents;
     std::shared_ptr<NodeSplitter> lattice;  // set on the rank that examines the bond
   };
   struct Known {
     bool copies = false;  // this rank has the phantom nodes
     bool edges = false;   // edge constraints are stored; the same on all ranks
   };
-  static const Row kWhole;
+  static const Row kWhole;  // row of a bond without phantom nodes
   const Row& row(int bond_row) const {
     const auto at = rows_.find(bond_row);
     return at == rows_.end() ? kWhole : at->second;

@@ -10,7 +10,7 @@ namespace {
 
 // Nodes of points that move to a new layer take over the motion of the nodes that these points had.
 void add_sources(const Bond& bond, int support, NewLayers& layers) {
-  int block = -1, layer = -1;  // of the last point: points of a block mostly move together
+  int block = -1, layer = -1;  // block and layer of the last point; points of a block mostly move together
   for (const auto& p : layers.layer_of_slot) {
     if (p.first / kLanes == block && p.second == layer) continue;
     block = p.first / kLanes;
@@ -27,14 +27,15 @@ NewLayersOfBonds SeparatePieces::start(MPI_Comm, Bonds& bonds, const CementOptio
   return {};
 }
 
-NodeSplitting::Found SeparatePieces::split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds came) {
-  for (auto p = came.pieces.begin(); p != came.pieces.end();) {
+NodeSplitting::Found SeparatePieces::split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options,
+                                                  SeparatedBonds newly_separated) {
+  for (auto p = newly_separated.pieces.begin(); p != newly_separated.pieces.end();) {
     std::vector<PointOfPiece>& points = p->second;
     points.erase(std::remove_if(points.begin(), points.end(), [](const PointOfPiece& point) { return point.piece == point.layer; }),
                  points.end());
-    p = points.empty() ? came.pieces.erase(p) : std::next(p);
+    p = points.empty() ? newly_separated.pieces.erase(p) : std::next(p);
   }
-  Found found = NodeSplitting::split_pieces(comm, bonds, options, std::move(came));
+  Found found = NodeSplitting::split_pieces(comm, bonds, options, std::move(newly_separated));
   for (auto& p : found.layers) add_sources(*bonds.find(p.first), support(options.basis), p.second);
   return found;
 }

@@ -14,7 +14,7 @@ class SeparatePieces : public NodeSplitting {
  public:
   std::unique_ptr<NodeSplitting> copy() const override { return std::make_unique<SeparatePieces>(*this); }
   NewLayersOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& with_new_points = {}) override;
-  Found split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds came) override;
+  Found split_pieces(MPI_Comm comm, Bonds& bonds, const CementOptions& options, SeparatedBonds newly_separated) override;
   void fetch_copies(MPI_Comm, const Bonds&) override {}
   void remove_volume(MPI_Comm, const Bonds&, const CementOptions&, const std::vector<int>&) override {}
   std::vector<Key> nodes_beside(const PointStore&, int, int) const override { return {}; }

@@ -82,14 +82,14 @@ struct CementHead {
   double time = 0.0;
   double eigenvalue = 0.0;       // largest eigenvalue; 0: not known
   double auto_step = 0.0;        // time step that `timestep auto S` found last
-  double auto_share = 0.0;       // its S; 0: it found none
+  double auto_share = 0.0;       // S of `timestep auto S`; 0: it found no time step
   double longest_substep = 0.0;  // longest sub-step of `subcycle auto`; 0: none was found
   LinkSettings links;
   DamageLawSettings law;
   bool unilateral = false;              // are failed points stiff while their crack is closed
   double elastic[5] = {0, 0, 0, 0, 0};  // constants of the elasticity, VtiConstants
   double mass_scale = 1.0;
-  double density = 0.0;      // of the calcite
+  double density = 0.0;      // density of the calcite
   bool split = false;        // do nodes split as points fail, see fracture/phantom_nodes.h
   int rows = 0, copies = 0;  // numbers of BondRow and PhantomNodeRow that follow
   double nodes = 0.0;        // number of NodeRow on all ranks

@@ -15,7 +15,7 @@
 
 namespace mpdem {
 
-// Of both grains of a row of the table.
+// Elasticity of both grains of a row of the table.
 using ElasticPair = std::array<GrainElasticity, 2>;
 
 // Collective. Sets the elasticity of the grains of all bonds, the same on all ranks. A patch is found when its grain becomes elastic,

@@ -46,7 +46,7 @@ struct BondLayout {
   Film film;  // set only in layouts for queries; make_layout() leaves it empty
   Grid grid;
   PenaltyLinks links;
-  std::vector<char> fresh;    // of each node: 1 if no rank had the node before
+  std::vector<char> fresh;    // for each node: 1 if no rank had it before
   std::vector<int> new_slot;  // new slot of each former slot, -1 for an empty one
 };
 

@@ -27,13 +27,14 @@ void AddedMasses::find(const std::vector<Bond*>& bonds) {
   if (!scene_.penalty) return;
   const CementOptions& o = scene_.options;
   const bool known = stable_step_.eigenvalue_is_known();
-  // Damping uses part of the stability bound in every step. Only the rest is left for nodes with added mass.
+  // Damping lowers the largest stable dt^2 lambda by the factor 1 - rate dt/2. Only the rest is left for nodes with added mass.
   const double bound =
       scene_.stability_limit() * std::max(0.1, 1.0 - 0.5 * stable_step_.relative_damping_rate(o.relative_damping) * scene_.now.dt);
+  // Without a known eigenvalue of the cement an upper bound takes its place.
   const AddedMass::Stability s{scene_.now.dt, known ? stable_step_.known_eigenvalue() : scene_.eigenvalue_bound(), !known, bound};
   for (Bond* b : bonds)
     if (scene_.bonds().is_resolved(*b)) b->added.find(b->links, b->grid, scene_.grains.ends_of(*b), s, b->mechanisms);
-  for (Bond* b : bonds) scene_.formulation->share(*b, alike_);
+  for (Bond* b : bonds) scene_.formulation->share(*b, alike_);  // equal lists of bonds are stored once
   int some = 0, any;
   for (const Bond& b : scene_.bonds()) some = some || !b.added.empty();
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
@@ -41,7 +42,8 @@ void AddedMasses::find(const std::vector<Bond*>& bonds) {
   scene_.grains.added_mass_changed();
 }
 
-// The layout has the added mass of the eigenvalue known before, which remains valid unless the eigenvalue changed.
+// The new layout was made with added mass for the eigenvalue that was known before. If the layout changed the largest
+// eigenvalue, all added mass is found again.
 void AddedMasses::follow(const std::vector<int>& rows, const char* event, const StableStep::Patches* patches) {
   if (stable_step_.check_after(rows, event, patches)) refresh();
 }
@@ -57,6 +59,7 @@ void AddedMasses::follow_contacts(const std::vector<int>& moved) {
   renew(rows, [] {});
 }
 
+// Energies before and after are compared, so that the change of added mass is counted as released energy.
 template <class Action>
 void AddedMasses::renew(const std::vector<int>& rows, Action action) {
   std::vector<std::vector<AddedMass::OfNode>> before;
@@ -89,8 +92,8 @@ void AddedMasses::drop_debonded() {
   });
 }
 
-// Debonded links are dropped as a new layout would leave them out, since sums over links follow their blocks. So a run
-// that is divided gives the result of a single run.
+// Sums over links are made in the order of their blocks. A new layout, as at the start of a run, has no debonded links in the
+// blocks. They are removed in the same way here, so that a divided run has the same order, and gives the result of a single run.
 void AddedMasses::drop_debonded(Bond& b) const {
   update_added_mass(b);
   if (b.links.drop_added_mass(b.points)) scene_.formulation->remove_dropped(b, scene_.bonds().record(b));
@@ -100,7 +103,7 @@ double AddedMasses::energy_ahead(const std::vector<int>& rows, double later) con
   double sum = 0.0;
   for (int row : rows) {
     const Bond* b = row < scene_.rows_started ? scene_.bonds().find(row) : nullptr;
-    // a condensed bond has no added mass and no ends here
+    // A condensed bond has no added mass, and no ends on this rank.
     if (b && !b->added.empty()) sum += b->added.energy_ahead(b->grid, scene_.grains.ends_of(*b), later);
   }
   return sum;

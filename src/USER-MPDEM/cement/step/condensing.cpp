@@ -124,7 +124,7 @@ void Condensing::count_changes() {
     const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds(), 0.5 * scene_.dt_last);
     recondensed_.energy -= e.elastic + e.discrete_kinetic;
   }
-  // the momentum that grains gain is counted as work, so that damped energy does not depend on rigid translation
+  // The momentum that grains gain is counted as work, so that damped energy does not depend on rigid translation.
   scene_.energy.do_work(-recondensed_.to_grains);
   scene_.energy.damp(recondensed_.energy - recondensed_.to_grains);
 }
@@ -185,7 +185,7 @@ bool Condensing::rests(Bond& b) {
   const BondRecord& record = scene_.bonds().record(b);
   if (!scene_.bonds().is_whole(b)) return false;
   if (!record.has_grain(0) || !record.has_grain(1)) return false;  // fragments may be far from the grain that is left
-  // a condensed bond is not examined, so node splitting and the check must have seen all failed points
+  // A condensed bond is not examined, so node splitting and the check must have seen all failed points before.
   const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.split_checked) != 0; };
   if (scene_.options.split && std::any_of(b.points.meta.begin(), b.points.meta.end(), is_to_split)) return false;
   if (cracks_.separated(b.row) && (scene_.touches() || !cracks_.has_seen(b.row, Cracks::count_broken(b)))) return false;
@@ -294,7 +294,7 @@ void Condensing::condense_again() {
     b->average = DriveAverage();  // it would keep its lists as long as the bond is condensed
   }
   const std::vector<BondedGrains::OwnedEnd> owned = grains.owned();
-  BondEnds ends = grains.ends;  // as indexed by `lost_momentum`; rebind_ends() drops the ends of condensed bonds
+  BondEnds ends = grains.ends;  // copy with the order of `lost_momentum`; rebind_ends() drops the ends of condensed bonds
   scene_.bonds().resolved_changed();
   layout_manager_.lay_out(rows, {}, {});
   grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.scaled_density, {});

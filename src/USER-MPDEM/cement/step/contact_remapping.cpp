@@ -20,7 +20,7 @@ struct Offer {
   double far;
 };
 
-// The same for the points of all ranks.
+// Number of the nearest points over all ranks, and their distance.
 struct Nearest {
   int points = 0;
   double far = 0.0;

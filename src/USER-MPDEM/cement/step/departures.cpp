@@ -241,7 +241,7 @@ double Departures::ahead_of_grains(const std::vector<Share>& of_rows, const std:
   return 0.5 * scene_.dt_last * power;
 }
 
-// The same for a condensed bond whose grains it joins, with the work of its weight.
+// Work that the energy balance counts in advance for a condensed bond in one piece, with the work of its weight.
 double Departures::ahead_of_condensed(int row) const {
   const EnergyBalance::StepWork work = condensed_.work(scene_.grains, scene_.bonds(), scene_.weight().data(), scene_.dt_last, row, row + 1);
   return work.now - 0.5 * work.with_velocity_before;

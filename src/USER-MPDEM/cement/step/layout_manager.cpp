@@ -64,7 +64,7 @@ std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Discontinuit
     r.layers.layer_of_slot = layers[b.row].layer_of_slot;
     if (penalty) r.before = restored.any() ? restored.of(b.row) : scene.bonds().find(b.row)->grid.kinematics();
   }
-  // points do not move, and need no margin
+  // Points of a copy do not move, so its grid needs no margin.
   const std::unique_ptr<const Formulation> at_rest = formulation_of(CementOptions());
   const LayoutRules rules{scene.comm, copies.table, scene.options, scene.law, scene.scaled_density, penalty, *splits, *at_rest};
   std::vector<BondLayout> layouts = make_layout(rules, scene.all_rows(), std::move(requests));

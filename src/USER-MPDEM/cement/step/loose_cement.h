@@ -44,7 +44,7 @@ class LooseCement {
   // Call when points left their bonds.
   void forget(const std::vector<int>& rows);
 
-  // For restart files: the clock, the step that it shows, and all times, the same on all ranks.
+  // State for restart files: the clock, the step that it shows, and all times, the same on all ranks.
   double clock() const { return clock_; }
   std::int64_t step() const { return step_; }
   std::vector<Loose> times() const;
@@ -60,8 +60,8 @@ class LooseCement {
   Scene& scene_;
   const Cracks& cracks_;
   double clock_ = 0.0;
-  std::int64_t step_ = -1;         // of the last examine(); -1: none
-  std::map<Place, double> since_;  // on all ranks
+  std::int64_t step_ = -1;         // step of the last examine(); -1: none
+  std::map<Place, double> since_;  // time since which each fragment is loose, the same on all ranks
 };
 
 }  // namespace mpdem

@@ -64,7 +64,8 @@ void NodalForces::advance_film(Bond& b) {
   if (scene_.penalty) cracks_.note_film_failure(b);
 }
 
-// Bonds that ranks do not cut are completed at once, while they are in cache.
+// Bonds that ranks do not cut are completed at once, while they are in cache. Bonds that elastic grains couple wait until the
+// loads of all of them are known: find_accelerations() adds their forces.
 void NodalForces::add_forces(Bond& b) {
   scene_.timer.start(StepTimer::kCoupling);
   if (elastic_.waits(b)) return;
@@ -136,12 +137,14 @@ void NodalForces::find_grain_accelerations() {
   scene_.timer.start(StepTimer::kNodes);
 }
 
-// The nodes have lumped mass M_L and consistent mass M. N is the inertia of nodes, added mass and grains with M_L. With
-// a = N^-1 f, the accelerations are N^-1 (f + (M_L - M) a). See mpm/consistent_mass.h.
+// Adds the term of `mass_order 2` to the forces. The nodes have lumped mass M_L and consistent mass M. N is the inertia of
+// nodes, added mass and grains with M_L. With a = N^-1 f, the accelerations are N^-1 (f + (M_L - M) a). See
+// mpm/consistent_mass.h.
 void NodalForces::add_inertial_forces() {
   find_grain_accelerations();
   for (Bond& b : scene_.bonds().resolved()) {
     Grid& grid = b.grid;
+    // a = N^-1 f takes the forces with those of the added mass, which must not stay in grid.force.
     grid.inertial_force = grid.force;
     b.added.move_added_mass(grid, scene_.grains.ends_of(b));
     grid.update_acceleration(b.added.of_nodes());
@@ -176,7 +179,7 @@ void NodalForces::end_pass() {
 void NodalForces::add_other_forces_at_start(Bond& b) {
   b.film.add_force(scene_.grains.ends_of(b), *scene_.law);
   BondContext as_it_is = at_work(b);
-  as_it_is.dt = 0.0;
+  as_it_is.dt = 0.0;  // no state changes
   Losses none;
   for (const auto& p : b.mechanisms) p->add_force(as_it_is, none);
   end_forces(b);

@@ -26,7 +26,8 @@ class NodalForces {
   void begin(double kick);
   // Call after that pass. Counts the energies that it dissipates and releases.
   void end_pass();
-  AdvanceResult& pass_result() { return pass_result_; }  // for the pass: energies of all bonds so far, failed points of this one
+  // Where the pass over the points puts its results: the energies of all bonds add up, failed points are those of one bond.
+  AdvanceResult& pass_result() { return pass_result_; }
   const PassTicks& ticks() const { return pass_result_.ticks; }
   void clear_ticks() { pass_result_.ticks = PassTicks(); }
 
@@ -45,22 +46,27 @@ class NodalForces {
   void react();
 
  private:
+  // What the mechanisms of a bond work on.
   BondContext at_work(Bond& b);
+  // Parts of add_forces(), in their order. note_links() counts energies of the traction law and reports debonded links.
+  // add_other_forces() adds those of mechanisms and film. end_forces() gives forces of constrained nodes to their masters.
   void follow_links(Bond& b);
   void note_links(Bond& b);
-  void advance_film(Bond& b);
   void add_other_forces(Bond& b);
-  void add_other_forces_at_start(Bond& b);
+  void advance_film(Bond& b);
   void end_forces(Bond& b);
+  // The last forces of a bond, once those of other ranks are summed: damping, weight, the host, contact of crack faces.
   void complete(Bond& b);
+  // Takes the place of add_other_forces() at the start of a run, when no state may change.
+  void add_other_forces_at_start(Bond& b);
   // Added mass and condensed bonds move with the grains, and the energy of dampers depends on the relative acceleration.
   bool grains_need_accelerations() const {
     const bool has_dampers = scene_.penalty && scene_.penalty->damping > 0.0;
     return (added_.any() || condensed_.any() || has_dampers) && scene_.grains.any_free();
   }
   void find_grain_accelerations();
-  void add_inertial_forces();
-  void share_impulses();
+  void add_inertial_forces();  // with `mass_order 2`
+  void share_impulses();       // with sub-steps, see coupling/shared_impulse.h
 
   Scene& scene_;
   SharedNodes& shared_;

@@ -38,7 +38,7 @@ class Reprojected : public Total {
         [&] {
           reproject_velocity(b.points, b.grid, b.added.of_nodes(), scene_.scaled_density, scene_.options.transfer, kick, b.transfer_change);
         });
-    // takes back half a kick, so that the energy of added mass is that at the full step, too; its reaction does work on grains
+    // Take back half a kick, so that the energy of added mass, too, is that at the full step. Its reaction does work on the grains.
     scene_.energy.damp(half * b.added.power(b.grid, ends, b.transfer_change) - b.added.work_of_reaction(b.grid, ends, b.transfer_change));
     scene_.energy.do_work(half * work_.gravity_power(b, b.transfer_change));
   }

@@ -8,9 +8,10 @@
 // own step alone, momentum is exact, and n = 1 gives the plain step. The impulse moves grains and cement together, see
 // coupling/shared_impulse.h.
 //
-// Let w be the velocity of a grain of mass M in a sub-step dt, and v that at the end of a step of the host. F is the
-// load of the host, f that of the cement, and S and S' are the means of F in the steps before and after the end of a
-// step. u = (1 - 1/n) (S + S')/2 is the part of F that is spread over these steps. Then
+// Let w be the velocity of a grain of mass M in a sub-step dt, and v that at the end of a step of the host. F is the load of
+// the host at this time, f that of the cement. The grain has the constant load S of the host in the sub-steps of the step
+// before this time, and S' in those of the step after it; spread_loads.cpp finds both. The impulse of
+// u = (1 - 1/n) (S + S')/2 has acted within these steps, so only F - u acts at this time. Then
 //
 //   start of the step    w = v + dt/2 (n (F - u) + f)/M
 //   within it            w <- w + dt (S + f)/M
@@ -39,14 +40,16 @@ void Substeps::begin() {
   for (Grain& g : scene_.grains.grains)
     for (int d = 0; d < 6; ++d) {
       g.start[d] = g.velocity[d];
-      // n (F - u) + f. Grain::force is F + f, less the share of f that is the impulse of other sub-steps.
+      // The kick is n (F - u) + f. F is the load of the host alone: Grain::force has the load of the cement, too, without the
+      // part that came as an impulse in other sub-steps.
       g.kick[d] = n * (g.force[d] + g.load_of_other_substeps[d] - g.cement_load[d] - g.spread_part(d, n)) + g.cement_load[d];
     }
 }
 
-// Positions and velocities of prescribed motion are known at both ends of the step. The path between is a cubic, so
-// that the velocity is continuous. Where the velocities do not fit the displacement, as when a grain starts suddenly,
-// the motion is uniform within the step.
+// Positions and velocities of prescribed motion are known at both ends of the step. The path between is a cubic (Hermite),
+// so that the velocity is continuous. Where the velocities do not fit the displacement, as when a grain starts suddenly, the
+// motion is uniform within the step. They fit if the mean velocity differs from the mean of both ends by at most a quarter
+// of their difference. The host has moved free grains already, which take their sub-steps from the start of the step.
 void Substeps::find_paths() {
   const int n = scene_.now.substeps;
   const double dt = scene_.now.dt;
@@ -70,6 +73,8 @@ void Substeps::find_paths() {
   }
 }
 
+// Free grains get the second half of the last kick, and drift. Other grains follow their paths, with the velocity of
+// the end of the sub-step; angular velocities are those of its middle and change linearly.
 void Substeps::move_grains() {
   const int n = scene_.now.substeps;
   const double dt = scene_.now.dt;
@@ -85,7 +90,8 @@ void Substeps::move_grains() {
       g.x[d] = g.free[d] ? before + dt * g.velocity[d] : paths_[i].position(d, n * dt, double(scene_.substep) / n);
       g.moved[d] = g.x[d] - before;
       g.state->x[d] = scene_.ends_step() ? before : g.x[d];
-      // sum of (middle between the two ends of the step - position) over all sub-steps but the last
+      // path_offset is the sum of (middle between the two ends of the step - position) over all sub-steps but the last. It
+      // gives the torque that conserves the moment of the load S (spread_loads.cpp).
       if (scene_.substep == 1) g.state->path_offset[d] = 0.0;
       g.state->path_offset[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - paths_[i].from[d]) : paths_[i].from[d] - g.x[d];
     }
@@ -93,6 +99,7 @@ void Substeps::move_grains() {
   scene_.grains.rotate(dt);
 }
 
+// held() is the load S of the host.
 void Substeps::kick_grains() {
   for (Grain& g : scene_.grains.grains)
     for (int d = 0; d < 6; ++d) {

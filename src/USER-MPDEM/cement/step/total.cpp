@@ -4,6 +4,7 @@
 
 namespace mpdem {
 
+// Nothing happens before the nodes of a bond drift. After its points, the forces of links and mechanisms follow.
 void Total::advance() {
   pass([](Bond&) {}, [this](Bond& b) { forces_.add_forces(b); });
 }

@@ -66,7 +66,7 @@ class Updated : public Kinematics {
   void account_for_accelerations() override {
     for (const Bond& b : scene_.bonds()) {
       scene_.energy.damp(work_.half_kick(b, b.transfer_change));
-      // nodes moved here without the velocity of the jump
+      // Nodes moved here without the change of velocity by the transfer.
       scene_.energy.do_work(-0.5 * scene_.dt_last * work_.gravity_power(b, b.transfer_change));
     }
   }
@@ -130,7 +130,7 @@ class Updated : public Kinematics {
       v[i] += kick * b.grid.acceleration[i];
       b.transfer_change[i] = v[i] - kicked[i];
     }
-    // nodes move with this change, unlike with that of the transfer, so it is counted with the accelerations before
+    // Nodes move with this change, unlike with that of the transfer, so it is counted with the accelerations before.
     scene_.energy.damp(-work_.half_kick(b, b.transfer_change));
     scene_.energy.do_work(0.5 * scene_.dt_last * work_.gravity_power(b, b.transfer_change));
     b.filtered = b.transfer_change;
@@ -160,7 +160,7 @@ class Updated : public Kinematics {
     scene_.energy.damp(kinetic_before - work_.kinetic_energy(b, 0.0));
     BondEnd* ends = scene_.grains.ends_of(b);
     b.added.add_reaction(grid, b.transfer_change, transferred_share() * transferred_share() / scene_.now.dt, ends);
-    // the work of the reaction goes to the grains
+    // The work of the reaction goes to the grains.
     scene_.energy.damp(-transferred_share() * transferred_share() * b.added.work_of_reaction(grid, ends, b.transfer_change));
   }
 

@@ -90,7 +90,7 @@ void AtomVecMpdem::init() {
         lmp, mpdem::text_of("atom_style mpdem: grain ", coats.all()[0].grain, " has a coat, and fix mpm is not there, which gives it ",
                             "its moment of inertia and contacts; define fix mpm before the run"));
   if ((update->nsteps == 0 && !is_in_motion()) || bonds.table.empty()) return;
-  // fix mpm/couple itself reports that its fix mpm is gone
+  // If fix mpm is gone, fix mpm/couple reports it.
   if (has_fix("mpm") || has_fix("mpm/couple") || !has_cement()) return;
   mpdem::stop_all(lmp,
                   mpdem::text_of("atom_style mpdem: grains ", bonds.table[0].grain[0], " and ", bonds.table[0].grain[1],

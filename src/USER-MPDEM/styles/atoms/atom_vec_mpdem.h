@@ -97,7 +97,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // Same result on all ranks. Stops if cement is in motion and there is no fix mpm to write the motion of its nodes.
   // Call it before a restart file is written.
   void check_motion_is_kept() const;
-  std::vector<double> restored_rows;  // see kNumbersOfRow
+  std::vector<double> restored_rows;  // rows of the restart file, kNumbersOfRow numbers each
 
   // Returns the atom style in use, or null if it is another.
   static AtomVecMpdem* of(LAMMPS* lmp);
@@ -124,7 +124,7 @@ class AtomVecMpdem : public AtomVecSphere {
     std::vector<double> rows;
     int points = 0, dealt = 0;  // points of the bond on this rank, and how many of them have their rows
   };
-  std::map<int, RowsOfBond> rows_;  // for the next restart file
+  std::map<int, RowsOfBond> rows_;  // rows for the next restart file
   int pack_rows(int i, double* buf);
   void send_rows_to_points(std::map<int, std::vector<double> >& of_bonds) const;
   void drop_grains_that_left();

@@ -25,8 +25,8 @@ const char* const kWords[] = {"PI",    "step", "dt",      "time",    "sqrt",   "
                               "sin",   "cos",  "tan",     "asin",    "acos",   "atan",      "atan2",   "ceil",   "floor",
                               "round", "ramp", "stagger", "logfreq", "stride", "vdisplace", "swiggle", "cwiggle"};
 
-// For formulas that refer to each other. seen: variables that lead to this one. They end a cycle, which LIGGGHTS
-// reports later.
+// Declared here, since formulas refer to variables that have formulas. seen: variables that lead to this one. They end a
+// cycle, which LIGGGHTS reports later.
 bool is_of_time_alone(LAMMPS* lmp, const std::string& formula, const std::vector<std::string>& seen);
 
 // A variable of a style other than equal and atom holds plain numbers.

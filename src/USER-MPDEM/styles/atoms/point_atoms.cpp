@@ -54,7 +54,7 @@ std::vector<GrainOfRow> grains_of(LAMMPS* lmp, AtomVecMpdem& avec, const std::ve
 // interpolated between those of both grains, as in create_cement.
 class RigidBody {
  public:
-  // grains: both of the bond, one after the other
+  // grains: those of the bond, grain 0 and then grain 1.
   RigidBody(const BondRecord& record, const GrainOfRow* grains) : record_(record), grain_(grains[0]), axes_(axes_of(record)) {
     for (int s = 0; s < 2; ++s) {
       both_[s].radius = record.radius[s];
@@ -67,7 +67,7 @@ class RigidBody {
     turned_ = product(rotation_of(grain_.q), transpose(rotation_of(record.orientation[0])));
   }
   void find(const double* X, double* x, double* v) const {
-    std::array<double, 3> r[2];  // from the centres of the grains
+    std::array<double, 3> r[2];  // position from the centre of each grain
     for (int s = 0; s < 2; ++s) {
       double arm[3];
       for (int d = 0; d < 3; ++d) arm[d] = X[d] - record_.centre[s][d];

@@ -118,10 +118,10 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
       to = record.home > 0 ? subdomains_[record.home - 1] : subdomain_of(i);
       for (int d = 0; d < 3; ++d) next[d] = step_towards(here[d], to[d], comm->procgrid[d], domain->periodicity[d] != 0);
     } else if (!avec.bonds.find(avec.bond[i])->is_laid_out(avec.slot[i])) {
-      continue;  // its true position could not be restored afterwards
+      continue;  // a point without a layout stays: its true position could not be restored afterwards
     }
     mine[kInTransit] |= next != to;
-    if (record.home == 0 && next == to) continue;  // its true position leads there
+    if (record.home == 0 && next == to) continue;  // LIGGGHTS sends it there by its true position
     mine[kShown] = 1;
     for (int d = 0; d < 3; ++d) atom->x[i][d] = middle(d, next[d]);
   }

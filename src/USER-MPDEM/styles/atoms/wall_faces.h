@@ -40,7 +40,7 @@ class LiggghtsWalls : public WallFaces {
     LAMMPS_NS::PrimitiveWall* primitive;
     int group;           // bit of its group
     double shear[3];     // velocity of a primitive wall, along itself
-    double*** velocity;  // by triangle and corner; null for a mesh at rest
+    double*** velocity;  // velocity by triangle and corner; null for a mesh at rest
   };
   // Corners of a triangle, and their velocities, null for a mesh at rest.
   struct Triangle {

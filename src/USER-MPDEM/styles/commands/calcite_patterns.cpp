@@ -57,7 +57,7 @@ std::vector<double> CalcitePatterns::contents_of(const CementPlan& plan) {
 }
 
 void CalcitePatterns::sum_up(const CementPlan& plan, const std::vector<GrainTags>& skipped) {
-  // the bonds of this command are the last of their pairs
+  // Several bonds of a pair may be in the table. Those of this command are the last, and replace the others here.
   std::map<GrainTags, const BondRecord*> records;
   for (const BondRecord& b : AtomVecMpdem::of(lmp_)->bonds.table) records[{b.grain[0], b.grain[1]}] = &b;
   for (const PlannedBond& b : plan.bonds()) {

@@ -45,7 +45,7 @@ class CalcitePatterns {
   std::map<GrainTags, PairToCement> pairs_;
   double mass_[ContentWish::kPatterns] = {0, 0, 0, 0};  // reached
   int bonds_[ContentWish::kPatterns] = {0, 0, 0, 0};
-  double thickness_ = 0.0;  // of the coats
+  double thickness_ = 0.0;  // thickness of the coats
   std::string report_;
 };
 

@@ -7,7 +7,7 @@
 namespace mpdem {
 
 namespace {
-constexpr double kLeastShare = 1e-6;    // of pairs and of calcite
+constexpr double kLeastShare = 1e-6;    // least share of the pairs, and of the calcite
 constexpr double kMostVariation = 3.0;  // coefficient of variation of a lognormal content
 }  // namespace
 

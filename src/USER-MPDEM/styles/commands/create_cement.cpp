@@ -44,8 +44,8 @@ using mpdem::Vector3;
 
 namespace {
 constexpr double kLeastLeftOut = 0.05, kMostLeftOut = 0.9;  // limits of 'inner share'
-constexpr double kManyLeftOut = 0.2;                        // of the bonds, above which it warns
-constexpr double kMostShift = 1000.0;                       // of the origin of the grid, in spacings
+constexpr double kManyLeftOut = 0.2;                        // it warns if more than this share of the bonds is left out
+constexpr double kMostShift = 1000.0;                       // largest shift of the origin of the grid, in spacings
 
 // All keywords. Those of shapes come once each.
 std::vector<std::string> command_keywords() {
@@ -166,7 +166,7 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     const bool of_shape = key == "content" || !shapes_with(key).empty(), for_each_shape = of_shape || key == "material";
-    // keywords of a shape may come once for each shape
+    // Keywords of a shape may come once for each shape.
     if (key != "shape") args.once(key, !for_each_shape || wish.shapes.empty() ? "" : text_of("shape number ", wish.shapes.size()));
     if (key == "shape") {
       wish.shapes.emplace_back();

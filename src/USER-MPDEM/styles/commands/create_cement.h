@@ -37,7 +37,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
  private:
   using Pairs = std::vector<mpdem::GrainTags>;
 
-  // reading of options
+  // Reading of options.
   void check_scene(const mpdem::Arguments& args) const;
   int group_of_points(const std::string& name) const;
   void read_words(mpdem::Arguments& args, mpdem::CementRequest& wish);
@@ -48,12 +48,12 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   void report_sums(const mpdem::CementMaker::Sums& sums, int groupbit, const std::string& name);
   static mpdem::Arguments named(const mpdem::GrainTags& pair, const mpdem::Arguments& args);  // copies args, with the pair in its messages
 
-  // existing grains and bonds
+  // Queries of existing grains and bonds.
   std::vector<mpdem::Sphere> spheres(int groupbit) const;  // grains of this rank
   std::vector<mpdem::GrainToBond> grains_of(const Pairs& pairs) const;
   Pairs cemented() const;
 
-  // creation
+  // Creation of the new bonds.
   void plan(mpdem::CementPlan& plan, const Pairs& pairs, const mpdem::Arguments& args);
   mpdem::CementMaker::Scene scene() const;
   mpdem::CementMaker::Sums make(mpdem::CementMaker& maker);

@@ -85,7 +85,7 @@ mpdem::PointRow row_of(const PointNow& p, const mpdem::BondRecord& record, const
   const double* D = r.damage;
   Eigen::Matrix3d m;
   m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
-  // a point without an axis has its damage in the axes of the bond
+  // A point without an axis has its damage in the axes of the bond.
   const Eigen::Quaterniond axes = has_axis ? quaternion(record.axes) * quaternion(r.q) : quaternion(record.axes);
   const Eigen::Matrix3d R = axes.toRotationMatrix();
   m = R * m * R.transpose();
@@ -111,7 +111,7 @@ mpdem::PointRow row_of(const PointNow& p, const mpdem::BondRecord& record, const
 
 }  // namespace
 
-// Collective. Grains and points of the chosen bonds on the first rank, in the order of the IDs.
+// Grains and points of the chosen bonds in the order of their IDs. Only the first rank has them, see gather().
 struct WriteCement::Now {
   std::map<int, GrainNow> grains;
   std::vector<PointNow> points;
@@ -160,11 +160,12 @@ void WriteCement::command(int narg, char** arg) {
   mpdem::stop_if_any(lmp, trouble);
 }
 
+// Collective.
 WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Arguments& args) const {
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   std::vector<GrainNow> grains;
   std::vector<PointNow> points;
-  double count[3] = {0, 0, 0}, all[3];  // points without an axis, points with one, and columns of a film
+  double count[3] = {0, 0, 0}, all[3];  // numbers of points without an axis, of points with one, and of columns of a film
   std::string unknown_law;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (avec->is_point(i)) {

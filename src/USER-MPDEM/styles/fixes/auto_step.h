@@ -37,7 +37,7 @@ class AutoStep : protected LAMMPS_NS::Pointers {
   std::string who_;
   double share_;
   double last_step_ = 0.0, last_share_ = 0.0;  // the step that was found last, and its share
-  double longest_substep_ = 0.0;               // for `subcycle auto`; 0: not yet known
+  double longest_substep_ = 0.0;               // longest sub-step for `subcycle auto`; 0: not yet known
   int substeps_reported_ = 0;
   bool splitting_reported_ = false;
 };

@@ -95,7 +95,7 @@ bigint failed_without_damage(MPI_Comm world, Cement& c) {
     for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
       for (int l = 0; l < kLanes; ++l) {
         const BlockMeta& m = bond.points.meta[b];
-        const bool waits = (m.occupied & m.failed & ~m.distorted) >> l & 1;  // its crack may close
+        const bool waits = (m.occupied & m.failed & ~m.distorted) >> l & 1;  // a failed point whose crack may close
         if (waits && !(crack_of(bond.points, kLanes * static_cast<int>(b) + l).damage[0] > 0.0)) ++mine;
       }
   MPI_Allreduce(&mine, &all, 1, MPI_LMP_BIGINT, MPI_SUM, world);

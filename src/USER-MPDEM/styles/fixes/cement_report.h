@@ -25,11 +25,11 @@ class CementReport {
   // Collective. Return totals and states of bonds at the present step. They are computed once a step, unless forget()
   // was called since.
   const CementTotals& totals(Cement& c);
-  // The same, with the unbalanced force. This is computed within a run only (ContactForces); between runs it is that of
-  // the end of the last one.
+  // Totals with the unbalanced force, too. The force is computed within a run only (ContactForces). Between runs it is that
+  // of the end of the last run.
   const CementTotals& totals_with_contacts(Cement& c);
   const std::vector<BondState>& bonds(Cement& c);
-  const std::vector<BondState>& loads(Cement& c);  // without the columns that need points
+  const std::vector<BondState>& loads(Cement& c);  // columns that need points are 0
   void forget() { totals_at_ = bonds_at_ = loads_at_ = unbalanced_at_ = -1; }
 
   // All functions below are collective.

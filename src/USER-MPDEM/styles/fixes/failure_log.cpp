@@ -63,7 +63,7 @@ void FailureLog::add(const Bond& bond, const BondRecord& record, Failed what, lo
   };
   const std::vector<int>& gone = bond.debonded_with_points;  // links, ascending in the slot of their point
   for (int slot : what == Failed::points ? bond.failed : std::vector<int>()) {
-    // of two links, that of the nearer grain counts
+    // A point may have links to both grains. The row names the nearer grain.
     double position[3];
     int grain = 0;
     for (int d = 0; d < 3; ++d) position[d] = points.created_at(slot / kLanes)[d][slot % kLanes];

@@ -54,7 +54,7 @@ int writing_streams(const std::string& name) {
 bool same_file(const std::string& a, const std::string& b) {
   struct stat of_a, of_b;
   if (stat(a.c_str(), &of_a) == 0 && stat(b.c_str(), &of_b) == 0) return same(of_a, of_b);
-  // one of them does not exist yet, so the paths are compared
+  // Here one of the files does not exist yet, so the paths are compared.
   std::error_code code;
   const std::filesystem::path there = std::filesystem::weakly_canonical(std::filesystem::absolute(a, code), code);
   return !code && there == std::filesystem::weakly_canonical(std::filesystem::absolute(b, code), code) && !code;

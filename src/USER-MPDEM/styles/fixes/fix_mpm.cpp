@@ -332,8 +332,8 @@ void FixMpm::pre_exchange() {
   atoms_.report_trouble();
   write_point_atoms();
   remove_leaving((update->ntimestep - 1) % cement_->options().check_every == 0);  // true in the step after a check
-  // new points take the indices of ghosts; LIGGGHTS has already called the fix that saves the history of contacts,
-  // which refers to these indices
+  // New points take indices that ghosts had. That is safe here: LIGGGHTS has already called the fix that saves the history
+  // of contacts, which refers to these indices.
   const std::vector<int> rows = cement_->rows_that_want_points();
   if (!rows.empty()) make_points(rows);
   show_homes(true);

@@ -38,7 +38,7 @@ constexpr double kMostFriction = 100.0;  // with more, rounding of the pressure 
 
 constexpr double kLeastPoisson = -0.99, kMostPoisson = 0.499;
 
-using Words = mpdem::CouplingOptions;
+using Words = mpdem::CouplingOptions;  // the options that the words of the command give
 using CoupleKeyword = mpdem::Keyword<Words>;
 
 double stiffness(Arguments& args, const CoupleKeyword& k) { return args.accept("auto") ? -1.0 : args.positive(k.name, " or 'auto'"); }
@@ -177,7 +177,7 @@ std::vector<mpdem::ElasticPair> FixMpmCouple::elastic_grains() const {
   MPI_Allreduce(MPI_IN_PLACE, types.data(), static_cast<int>(types.size()), MPI_INT, MPI_MAX, world);
   for (std::size_t n = 0; n < types.size(); ++n) {
     const mpdem::BondRecord& b = table[n / 2];
-    // a grain that left keeps what it had
+    // A grain that left the scene keeps the elasticity in the record of the bond.
     found[n / 2][n % 2] =
         types[n] > 0 ? of_types[static_cast<std::size_t>(types[n])] : mpdem::GrainElasticity{b.grain_E[n % 2], b.grain_nu[n % 2]};
   }
@@ -225,9 +225,10 @@ void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
           "fix mpm/couple");
 }
 
-// Stops if the stiffness turns the rounding of positions into a stress that matters next to those of the cement.
+// Stops if the stiffness k turns the rounding of positions into a stress that matters beside those of the cement. `most` is
+// the stiffness at which an error of rounding is a stress of kMostStrain C33, but at least that of `auto`.
 void FixMpmCouple::check_rounding(const char* keyword, double given, double per_length) const {
-  constexpr double kMostStrain = 1e-6;  // of cement under the stress of a rounding error
+  constexpr double kMostStrain = 1e-6;  // largest strain of the cement due to a rounding error
   double far = 0.0;
   for (int d = 0; d < 3; ++d) far = std::max({far, std::fabs(domain->boxlo[d]), std::fabs(domain->boxhi[d])});
   const double C33 = cement_->law().elasticity().C33, cell = cement_->cell(), length = 1.0 / per_length;
@@ -244,8 +245,8 @@ void FixMpmCouple::check_rounding(const char* keyword, double given, double per_
                                ", so that the rounding of positions would load the bonds; ", cure));
 }
 
-// Rows of the runs that this one continues are kept, whether of this program or of that of the restart file. The row of
-// the last step is one of them, since the set-up of this run has velocities of another time.
+// A run that continues keeps the rows of the runs before it, in this process or before the restart. It keeps the row of the
+// last step, too: velocities at the set-up of a run are those of the middle of a step, so a row that it writes would differ.
 void FixMpmCouple::open_table() {
   if (words_.table_every == 0) return;
   const std::string who = text_of("fix mpm/couple (id ", id, "): ");
@@ -255,6 +256,7 @@ void FixMpmCouple::open_table() {
   for (const mpdem::BondColumn& c : mpdem::bond_columns()) header += text_of(",", c.name);
   if (comm->me == 0)
     trouble = table_.open(words_.table_name, header + ",mode",
+                          // half a step, so that rounding of the time does not remove the last row
                           cement_->in_motion() ? update->get_cur_time() + 0.5 * update->dt : mpdem::TableFile::kAnew);
   stop_if_not_written(trouble);
   table_open_ = true;
@@ -270,7 +272,7 @@ void FixMpmCouple::stop_if_not_written(const std::string& trouble) {
                                                     "; name another, or use a disk with free space"));
 }
 
-// Writes the first row, which belongs to no step.
+// Writes a row before the first step.
 void FixMpmCouple::setup(int) { end_of_step(); }
 
 void FixMpmCouple::end_of_step() {

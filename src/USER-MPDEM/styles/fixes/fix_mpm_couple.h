@@ -48,7 +48,7 @@ class FixMpmCouple : public Fix {
  public:
   FixMpmCouple(LAMMPS* lmp, int narg, char** arg);
 
-  // Returns the keywords, one a line, see keywords.h.
+  // Returns the keywords, one per line, see keywords.h.
   static std::string listed_words();
 
   int setmask() override;

@@ -12,7 +12,7 @@ namespace LAMMPS_NS {
 
 using mpdem::text_of;
 
-// Makes the laws of the materials. Those of earlier runs have the same words.
+// Makes the laws of all materials. A material of an earlier run has the same words now, so its law is the same.
 void FixMpm::take_materials() {
   std::vector<std::shared_ptr<const mpdem::Law>> laws;
   materials_.clear();
@@ -32,7 +32,7 @@ void FixMpm::take_materials() {
                                                              law_->materials(), "; use another restart file"));
 }
 
-// What the materials that bonds have exclude.
+// Words of the materials, for the rules of words that exclude each other (words/word_rules.h).
 std::vector<mpdem::SceneOption> FixMpm::words_of_materials() const {
   const std::vector<mpdem::BondRecord>& table = avec_->bonds.table;
   std::vector<mpdem::SceneOption> words;

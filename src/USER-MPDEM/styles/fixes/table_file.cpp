@@ -62,7 +62,7 @@ std::string TableFile::write(const std::string& rows) {
     return "";
   }
   const std::string trouble = name_ + ": " + std::strerror(errno);
-  // half a row would be read as a row; if this fails too, there is no remedy
+  // Half a row would be read as a row, so it is cut off. If that fails too, there is no remedy.
   if (known && ftruncate(fileno(file_), before.st_size) == 0) std::clearerr(file_);
   return trouble;
 }

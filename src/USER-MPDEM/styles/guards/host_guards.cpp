@@ -155,8 +155,8 @@ Found moved_new_point(View v, int i) {
 
 // The state is in the points. Atoms only display it.
 Found moved_point(View v, int i) {
-  const double way = 1e-9 * v.engine->options().cell,
-               change = 1e-9 * v.engine->law().elasticity().fastest_wave(v.engine->density());  // of rounding
+  // Rounding gives a smaller displacement and a smaller change of velocity.
+  const double way = 1e-9 * v.engine->options().cell, change = 1e-9 * v.engine->law().elasticity().fastest_wave(v.engine->density());
   const double* const before = &(*v.shown)[6 * static_cast<std::size_t>(i)];
   bool moved = false;
   for (int d = 0; d < 3; ++d)
@@ -174,7 +174,7 @@ Found moved_grain(View v, int i) {
   bool far = false;
   for (int d = 0; d < 3; ++d) {
     moved[d] = x[d] - g->x[d];
-    // rounding by wrapping into the box
+    // Wrapping into the box rounds positions by this much.
     const double rounding = 16 * std::numeric_limits<double>::epsilon() * (std::fabs(x[d]) + v.lmp->domain->prd[d]);
     far = far || std::fabs(moved[d]) > 1e-9 * v.engine->options().cell + rounding;
   }
@@ -268,7 +268,7 @@ struct Guard {
   unsigned when;
   const char *thing, *why, *cure;  // thing: for doc/refused_settings.md; the message is WHAT WAS FOUND why; cure
   Over over;
-  Found (*found)(View, int);  // of the fix or atom of this index
+  Found (*found)(View, int);  // what it finds in the fix or atom of this index
   bool warns = false;
 };
 
@@ -491,7 +491,7 @@ void check_host(unsigned when, const HostView& view) {
 
 const HostView::Groups& HostView::groups() const {
   if (groups_) return *groups_;
-  int bits[2] = {0, 0};  // of groups that have some cement, and of groups that lack some
+  int bits[2] = {0, 0};  // bits of groups that have some point, and of groups that lack some point
   const auto add = [&](int mask) { bits[0] |= mask, bits[1] |= ~mask; };
   for (int i = 0; i < lmp->atom->nlocal; ++i)
     if (cement->is_point(i)) add(lmp->atom->mask[i]);

@@ -28,6 +28,7 @@ constexpr double kWeakest = 1e3, kStrongest = 80e6;
 
 }  // namespace
 
+// With other units than those of kUnits only the strain at failure is judged.
 std::vector<std::string> unlike_solids(const Law& law, double density, const std::string& units) {
   std::vector<std::string> found;
   const VtiConstants& e = law.elasticity().constants;

@@ -21,7 +21,7 @@ void tell(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
 }
 
 namespace {
-std::set<std::string> warnings_given;  // in this scene
+std::set<std::string> warnings_given;  // warnings that were given in this scene
 }
 
 // Checks are made at each run and each write_restart. One warning is enough.

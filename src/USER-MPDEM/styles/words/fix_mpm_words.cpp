@@ -19,8 +19,8 @@ struct ScriptOptions : ParsedOptions {
 };
 using ScriptKeyword = Keyword<ScriptOptions>;
 
-constexpr int kMostProjections = 1000;  // of `transfer xpic`, which is flip long before
-constexpr double kMostInertia = 1e9;    // of `quasistatic`, as a factor
+constexpr int kMostProjections = 1000;  // largest m of `transfer xpic m`, which is flip long before
+constexpr double kMostInertia = 1e9;    // largest mass scale S of `quasistatic`
 
 void take_transfer(Arguments& args, const ScriptKeyword& key, ScriptOptions& w) {
   CementOptions& o = w.options;

@@ -24,10 +24,10 @@ constexpr double kMostDamping = 100.0;  // largest damping that a script may set
 struct ParsedOptions {
   CementOptions options;
   CementLawWords law_words;
-  std::shared_ptr<Law> law;                   // made of them
+  std::shared_ptr<Law> law;                   // law of material 0, made of law_words
   double step_fraction = 0.0;                 // share of the stable step; 0: the script sets the step
   std::string events;                         // name of the file of events, or empty
-  double kinetic_share = kUsualKineticShare;  // above which fix mpm warns; 0: never
+  double kinetic_share = kUsualKineticShare;  // fix mpm warns above this kinetic share; 0: never
   bool needs_coupling = true;                 // stop if there is no fix mpm/couple?
   std::vector<std::string> notes;             // messages on keywords that have no effect any more
   std::vector<SceneOption> said;              // all keywords with values, for word_rules.h
@@ -35,7 +35,7 @@ struct ParsedOptions {
 
 // Stops at keywords that are unknown, missing, out of range or exclude each other.
 ParsedOptions parse_cement_words(Arguments& args);
-// Returns the keywords, one a line, see keywords.h.
+// Returns the keywords, one per line, see keywords.h.
 std::string listed_cement_words();
 
 }  // namespace mpdem

@@ -58,7 +58,7 @@ std::vector<std::string> names_of(const std::vector<Keyword<Words>>& keywords) {
   return names;
 }
 
-// Returns one line a keyword: command, name, values, default, separated by tabs.
+// Returns one line per keyword: command, name, values, default, separated by tabs.
 template <class Words>
 std::string listed(const char* command, const std::vector<Keyword<Words>>& keywords) {
   std::string all;

@@ -27,6 +27,7 @@ bool has_word(const LawEntry& law, const std::string& name) {
 
 LawValues read_law_words(Arguments& args, const std::string& law, const std::vector<LawOption>& words) {
   LawValues values;
+  // The option that the next word of the script names, if it names one.
   const auto next = [&] { return std::find_if(words.begin(), words.end(), [&](const LawOption& w) { return args.accept(w.name); }); };
   for (auto w = next(); w != words.end(); w = next()) {
     args.once(w->name, law);

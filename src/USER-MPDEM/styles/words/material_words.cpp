@@ -39,7 +39,7 @@ void soften(const Arguments& args, const CementOptions& o, const CementLawWords&
     if (w.crack_band > 0.0) law.set_crack_energy(w.crack_band, o.cell);
     if (!o.advance.nonlocal) return;
     const double L = o.length;
-    // a slightly smaller length comes from rounding of numbers in a script
+    // A length that is smaller by rounding alone is allowed: scripts compute it.
     if (L < 0.999999 * o.cell)
       args.complain(text_of("'regularization nonlocal ", L, "': the length must be at least the cell, which is ", o.cell, "; take 'cell ",
                             L, "' or less"));

@@ -54,7 +54,7 @@ MaterialWords read_material(Arguments& args, const std::string& name);
 MaterialWords read_material(LAMMPS_NS::LAMMPS* lmp, const Bonds::NamedMaterial& material);
 // The law of a material of a scene with this fix mpm.
 std::shared_ptr<Law> make_law(LAMMPS_NS::LAMMPS* lmp, const CementOptions& o, const CementLawWords& of_fix, const MaterialWords& material);
-// Returns the keywords, one a line, see keywords.h.
+// Returns the keywords, one per line, see keywords.h.
 std::string listed_material_words();
 // Reads the name after `material` of create_cement, which may be kDefaultMaterial. It is that of the last shape, or of the command.
 void take_material(Arguments& args, const std::vector<Bonds::NamedMaterial>& materials, CementRequest& wish);

@@ -19,7 +19,7 @@ struct SceneOption {
 
 // Returns what excludes what, why, and a cure, or an empty text.
 std::string exclusion_in(const std::vector<SceneOption>& scene);
-// Returns one line a pair: `excludes`, either option as in the documentation, and why, separated by tabs.
+// Returns one line per pair: `excludes`, either option as in the documentation, and why, separated by tabs.
 std::string listed_exclusions();
 
 }  // namespace mpdem
