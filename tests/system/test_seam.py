@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Cement thinner than a cell between elastic grains: one layer of points. Stiffness against finite elements, an interface that debonds, ranks and restart."""
+"""Cement thinner than a cell between elastic grains: a seam. Stiffness against finite elements, an interface that debonds, ranks and restart."""
 import shutil
 
 import numpy as np
@@ -74,9 +74,9 @@ def test_ranks_and_restart(tmp_path, figures):
 def test_rigid_grains_are_refused(tmp_path):
     done = launch(scene(CASE, WIDTH, "grains rigid") + "run 0\n", tmp_path)
     assert done.status != 0 and len(done.errors()) == 1 and "film joined" in done.errors()[0] and "grains elastic" in done.errors()[0]
-    assert "one layer of cells" in done.output
+    assert "a seam in cells" in done.output
 
 
 def test_seams_are_not_written(tmp_path):
     done = launch(scene(CASE, WIDTH) + "run 0\nwrite_cement cement.txt\n", tmp_path)
-    assert done.status != 0 and "one layer" in done.errors()[0], done.errors()
+    assert done.status != 0 and "is a seam" in done.errors()[0], done.errors()

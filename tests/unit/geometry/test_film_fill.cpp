@@ -104,7 +104,7 @@ TEST(FilmFill, FilmAndCellsTogetherAreTheShape) {
   for (int s = 0; s < 2; ++s) EXPECT_NEAR((film.area[s] + cells->attached_area(s)) / meniscus.attached_area(s), 1.0, 1e-12);
 }
 
-TEST(FilmFill, LayerHasOnePointAtEitherGrain) {
+TEST(FilmFill, SeamHasOnePointAtEitherGrain) {
   const Flat flat(touching(3.5e-3), 5e-4, 0.0);  // from the contact on
   const double spacing = 1e-4;
   ASSERT_TRUE(is_seam(flat, spacing));
@@ -136,7 +136,7 @@ TEST(FilmFill, LayerHasOnePointAtEitherGrain) {
   EXPECT_NEAR(square / volume / (2.0 / 3.0 * 5e-4 * 5e-4), 1.0, 0.01);
 }
 
-TEST(FilmFill, NeighboursTakeTheirShareOfALayer) {
+TEST(FilmFill, NeighboursTakeTheirShareOfASeam) {
   const Flat flat(touching(), 5e-4, 1e-4);
   const std::vector<Neighbour> neighbours = {{&flat, Vector3(1e-6, 0, 0)}};
   double volume = 0.0;
