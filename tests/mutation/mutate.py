@@ -171,10 +171,10 @@ class Folder:
     def refuse(self, compiled_by):
         """Mutants that do not compile, found without generating code. A file is examined once."""
         seen = self.state.setdefault("compiled", {})
-        todo = {}
+        todo, by_name = {}, {c["file"]: c["command"] for c in self.commands()}
         for n, c in enumerate(self.mutants, 1):
-            command = compiled_by[c.path]
-            todo.setdefault(command["file"].replace(str(ROOT), str(self.tree)), command["command"].replace(str(ROOT), str(self.tree)))
+            name = compiled_by[c.path]["file"].replace(str(ROOT), str(self.tree))
+            todo.setdefault(name, by_name[name])
         inside = {c.path: sorted(m.key() for m in self.mutants if m.path == c.path) for c in self.mutants}
         mark = hashlib.sha256(json.dumps(inside, sort_keys=True).encode()).hexdigest()
         if seen.get("mark") == mark:
@@ -183,6 +183,8 @@ class Folder:
             outputs = list(pool.map(compile_only, todo.values()))
         wrong = []
         for output in outputs:
+            if "fatal error" in output:
+                sys.exit(f"mutate.py: the copy cannot be examined:\n{output[-3000:]}")
             lines = set(re.findall(rf"^{re.escape(str(self.tree / SOURCE))}/(\S+?):(\d+):\d+: (?:fatal )?error:", os_normal(output), re.M))
             here = [c for c in self.mutants for p, n in lines if c.path == p and c.line <= int(n) <= c.line + c.text.count("\n")]
             if lines and not here:
