@@ -53,7 +53,7 @@ def test_cohesive_interface(tmp_path, figures):
 
 
 def test_ranks_and_restart(tmp_path, figures):
-    """Ranks share the bond while it softens; a run goes on from a file to the bit."""
+    """Ranks share the bond while it softens; a run goes on from a file bitwise identically."""
     tables = {}
     for ranks in (1, 2, 4):
         r = run(torn(ranks=ranks) + f"run 2400\nwrite_restart middle.restart\nrun {END - 2400}\n", tmp_path / str(ranks), ranks)

@@ -173,7 +173,9 @@ def find_dumps(run_dir, names, bond):
             raise Trouble(f"{dumps[step]} and {path}: both are of step {step}; name the dumps of one run with --points")
         dumps[step] = path
     if not dumps:
-        raise Trouble(f"{shown}: no such dumps, so no damage_cut.png; name them with --points (--cut of mpdem_movie.py), or leave the cut of mpdem_plot.py out with '--points none'")
+        raise Trouble(
+            f"{shown}: no such dumps, so no damage_cut.png; name them with --points (--cut of mpdem_movie.py), or leave the cut of mpdem_plot.py out with '--points none'"
+        )
     return dumps_of(shown, dumps, bond)
 
 

@@ -73,7 +73,7 @@ void find_softening(PointStore& points, const BondRecord& record, double cell) {
       for (int l = 0; l < kLanes; ++l) {
         const double X[3] = {at[0][l], at[1][l], at[2][l]};
         const double above[2] = {above_grain(record, 0, X), above_grain(record, 1, X)};
-        points.softening[b][l] = is_seam                    ? law.softening_of_layer(above[0] + above[1])
+        points.softening[b][l] = is_seam                     ? law.softening_of_layer(above[0] + above[1])
                                  : law.softens_by_position() ? law.softening_at(above[0], above[1])
                                                              : law.softening();
       }

@@ -114,7 +114,8 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
     PlannedBond bond;
     std::string why;
     if (std::binary_search(before.begin(), before.end(), pairs[n]))
-      why = text_of("grains ", pairs[n].first, " and ", pairs[n].second, " have cement already, and it would overlap; use delete_bond before, or leave the pair out");
+      why = text_of("grains ", pairs[n].first, " and ", pairs[n].second,
+                    " have cement already, and it would overlap; use delete_bond before, or leave the pair out");
     for (int s = 0; s < 2; ++s) {
       const int tag = bond.grain[s].tag = s == 0 ? pairs[n].first : pairs[n].second;
       const std::size_t atoms = grain_of.count(tag);

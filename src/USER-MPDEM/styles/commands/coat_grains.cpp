@@ -73,8 +73,8 @@ int coat(LAMMPS* lmp, const std::vector<BareGrain>& grains, const CoatRequest& r
   for (const BareGrain& g : grains) {
     if (cement.coats.find(g.tag)) throw BadState(text_of("create_cement coat: grain ", g.tag, " has a coat already; coat it once"));
     if (!(request.thickness <= kMostCoat * g.radius))
-      throw BadState(text_of("create_cement coat: a coat ", request.thickness, " thick is more than ", kMostCoat, " of the radius of grain ", g.tag, ", ",
-                             kMostCoat * g.radius, "; use a thinner one"));
+      throw BadState(text_of("create_cement coat: a coat ", request.thickness, " thick is more than ", kMostCoat,
+                             " of the radius of grain ", g.tag, ", ", kMostCoat * g.radius, "; use a thinner one"));
     coats.push_back({g.tag, g.radius, g.mass, request.thickness, request.density, request.at_walls});
   }
   cement.coats.add(coats);

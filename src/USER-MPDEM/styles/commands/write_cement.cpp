@@ -229,8 +229,8 @@ std::string WriteCement::write(const std::string& name, const std::vector<char>&
   if (const auto twice = std::adjacent_find(cells.begin(), cells.end()); twice != cells.end()) {
     const mpdem::BondRecord& b = table[(*twice)[0]];
     return text_of("write_cement: the cement of grains ", b.grain[0], " and ", b.grain[1],
-                   " is a seam, and a file has at most one point in a cell of a lattice; use a spacing of at most ",
-                   0.5 * b.thickness, " of create_cement for cement that is to be written");
+                   " is a seam, and a file has at most one point in a cell of a lattice; use a spacing of at most ", 0.5 * b.thickness,
+                   " of create_cement for cement that is to be written");
   }
   const std::string other = mpdem::writer_of(lmp, name, nullptr);
   if (!other.empty()) return text_of("write_cement: file '", name, "' is written by ", other, "; name another");
