@@ -51,9 +51,14 @@ def arguments():
 
 
 def step_of(output, word):
-    if word is None or word.isdigit():
-        return None if word is None else int(word)
     steps = output.grain_steps
+    if word is None:
+        return None
+    if word.isdigit():
+        if steps and int(word) not in steps:
+            near = min(steps, key=lambda s: abs(s - int(word)))
+            raise run.Trouble(f"{output.folder}: no dump of the grains at step {word}; the nearest is {near}, of {steps[0]} to {steps[-1]}")
+        return int(word)
     if word in ("first", "last"):
         return steps[0 if word == "first" else -1] if steps else None
     if "curve" not in output.curves:

@@ -151,7 +151,7 @@ def choose(bonds, number):
     for b in bonds:
         if b.number == number:
             return b
-    raise Trouble(f"{bonds[0].path}: no bond {number}; choose --which from {bonds[0].number} to {bonds[-1].number}")
+    raise Trouble(f"{bonds[0].path}: no bond {number}; choose a number from {bonds[0].number} to {bonds[-1].number}")
 
 
 def matches(run_dir, name):
