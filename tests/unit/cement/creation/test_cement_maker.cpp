@@ -260,6 +260,20 @@ TEST(CementMaker, SharesOutWhatBondsHaveInCommon) {
   EXPECT_GT(trimmed.first.volume, 2.5 * one);
 }
 
+// All ranks know that its points are on no lattice.
+TEST(CementMaker, CementThinnerThanACellIsASeam) {
+  RowScene s(MPI_COMM_WORLD, 5);
+  s.wish.spacing = 0.5;
+  s.make({{1, 2}, {3, 4}});
+  ASSERT_EQ(s.table.size(), 2u);
+  for (const BondRecord& b : s.table) {
+    EXPECT_FALSE(b.regular);
+    EXPECT_TRUE(b.is_thinner_than(1.0));
+    EXPECT_GT(b.points, 0);
+  }
+  EXPECT_TRUE(s.said.empty() || s.said.find("a seam") != std::string::npos);  // one rank speaks
+}
+
 TEST(CementMaker, ComplainsOfTheFirstBondThatCannotBe) {
   const auto why = [](auto change, const std::vector<GrainTags>& pairs) {
     RowScene s(MPI_COMM_WORLD, 5);
@@ -270,8 +284,11 @@ TEST(CementMaker, ComplainsOfTheFirstBondThatCannotBe) {
   EXPECT_EQ(why(nothing, {{1, 2}, {2, 4}}).find("create_cement pair 2 4: grains 2 and 4 are not neighbours: their gap 2 "), 0u);
   EXPECT_NE(why(nothing, {{1, 9}}).find("grain 9 does not exist"), std::string::npos);
   EXPECT_NE(why([](RowScene& s) { s.cemented = {{1, 2}}; }, {{1, 2}}).find("have cement already"), std::string::npos);
-  EXPECT_NE(why([](RowScene& s) { s.wish.spacing = 0.5; }, {{1, 2}}).find("less than a cell of two points of spacing 0.5"),
-            std::string::npos);
+  const auto thin = [](RowScene& s) {
+    s.wish.spacing = 0.5;
+    s.wish.shapes = {{shape_style("coating"), {{"thickness", 0.2}}}};
+  };
+  EXPECT_NE(why(thin, {{1, 2}}).find("less than a cell of two points of spacing 0.5"), std::string::npos);
   EXPECT_NE(why([](RowScene& s) { s.box.high[1] = s.box.low[1] + 5.1; }, {{1, 2}}).find("points lie outside the simulation box"),
             std::string::npos);
   EXPECT_NE(why([](RowScene& s) { s.last_tag = 2147483647; }, {{1, 2}}).find("exceed the number of atom IDs"), std::string::npos);
