@@ -187,7 +187,9 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
       wish.film = args.choice(key, {"joined", "grid"}) == "joined";
       has_film = true;
     } else if (key == "grid") {
-      for (double& g : wish.grid) g = args.number(key);
+      const std::vector<double> v =
+          args.numbers(key, {{"X", "x of the origin of the grid from the middle of the gap"}, {"Y", "y"}, {"Z", "z"}}, "0 0 0");
+      std::copy(v.begin(), v.end(), wish.grid);
     } else if (key == "overlap") {
       const std::string how = args.choice(key, {"error", "skip", "trim"});
       wish.overlap = how == "skip" ? CementRequest::skip : how == "trim" ? CementRequest::trim : CementRequest::error;
@@ -274,9 +276,7 @@ void CreateCement::plan(CementPlan& plan, const Pairs& pairs, const Arguments& a
 }
 
 void CreateCement::cement_pair(Arguments& args) {
-  int tags[2];
-  tags[0] = args.integer("pair", 1);
-  tags[1] = args.integer("pair", 1);
+  const std::array<int, 2> tags = args.pair();
   if (tags[0] == tags[1]) args.complain(text_of("'pair ", tags[0], " ", tags[1], "': two different grains are needed"));
   const GrainTags pair = std::minmax(tags[0], tags[1]);
   CementPlan bonds(world, box_);

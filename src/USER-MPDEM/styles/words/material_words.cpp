@@ -72,15 +72,20 @@ void check_strength(const Arguments& args, const Law& law, const std::string& na
 VtiConstants read_elastic(Arguments& args) {
   VtiConstants constants;
   if (args.choice("elastic", {"vti", "isotropic"}) == "isotropic") {
-    const double E = args.number("elastic isotropic E"), nu = args.number("elastic isotropic nu");
+    const std::vector<double> v =
+        args.numbers("elastic isotropic", {{"E", "Young's modulus, above 0"}, {"nu", "Poisson's ratio, between -1 and 0.5"}}, "4e10 0.3");
+    const double E = v[0], nu = v[1];
     constants = VtiConstants::isotropic(E, nu);
     if (!(nu > -1.0 && nu < 0.5)) args.complain(text_of("'elastic isotropic' nu = ", nu, " must lie between -1 and 0.5"));
   } else {
-    constants.Ep = args.number("elastic vti Ep");
-    constants.Ez = args.number("elastic vti Ez");
-    constants.nu_p = args.number("elastic vti nu_p");
-    constants.nu_zp = args.number("elastic vti nu_zp");
-    constants.Gzp = args.number("elastic vti Gzp");
+    const std::vector<double> v = args.numbers("elastic vti",
+                                               {{"Ep", "Young's modulus in the plane of isotropy, above 0"},
+                                                {"Ez", "Young's modulus along the axis, above 0"},
+                                                {"nu_p", "Poisson's ratio in the plane of isotropy, between -1 and 1"},
+                                                {"nu_zp", "Poisson's ratio under stress along the axis"},
+                                                {"Gzp", "shear modulus of planes that have the axis, above 0"}},
+                                               "4e10 3e10 0.3 0.25 1.2e10");
+    constants.Ep = v[0], constants.Ez = v[1], constants.nu_p = v[2], constants.nu_zp = v[3], constants.Gzp = v[4];
   }
   const std::string why = constants.violated_condition();
   if (!why.empty()) args.complain("'elastic' is not positive definite: " + why);
