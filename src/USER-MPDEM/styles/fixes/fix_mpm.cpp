@@ -296,6 +296,7 @@ void FixMpm::pre_initial_integrate() {
   if (first) report_->enter_steps();
   if (first || substeps() > 1) atoms_.read(cement_->grains());
   guarded([&] { cement_->start_step(first); });
+  if (first) mpdem::warn_of_coats_at_walls(lmp, who());
   if (first) atoms_.write_velocities(cement_->grains());
   hidden_.hide();
   avec_->coats.scale_torques(*atom);
@@ -396,6 +397,7 @@ void FixMpm::post_run() {
   prepared_ = false;
   avec_->last_run.atoms = atom->natoms;
   avec_->last_run.dt = update->dt;
+  mpdem::warn_of_coats_at_walls(lmp, who());
   report_->jump(*cement_);
   write_point_atoms();
   watch_outside();
