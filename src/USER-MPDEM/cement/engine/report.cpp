@@ -239,7 +239,7 @@ Report::EnergyShares Report::energy_shares() const {
   global_sum(sum, scene_.comm);
   const double put_in = sum[kSumWork] + scene_.energy.start_energy();
   return {kinetic_share_of(sum[kCement], sum[kSumGrains], put_in),
-          sum[kSumDissipated] > 0.0 ? sum[kSumDissipated] / std::max(put_in, sum[kSumDissipated]) : 0.0};
+          sum[kSumDissipated] > 0.0 ? sum[kSumDissipated] / std::max(put_in, sum[kSumDissipated]) : 0.0, put_in};
 }
 
 double Report::unbalanced_force(const std::vector<BondState>& loads, const Magnitudes& of_contacts) const {
