@@ -211,7 +211,7 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
   wish.materials = 1 + static_cast<int>(AtomVecMpdem::of(lmp)->bonds.materials.size());
   check_words(args, wish, has_inner, has_film);
   mpdem::check_contents(args, wish, patterns_ != nullptr);
-  if (wish.density == 0.0) wish.density = mpdem::density_of_calcite(lmp, args);
+  take_densities(args, wish);
   density_ = wish.density;
   if (type_ == 0) type_ = atom->ntypes;
   if (type_ > atom->ntypes)
@@ -219,6 +219,22 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
   mpdem::HostView view{lmp, args.command() + ": ", AtomVecMpdem::of(lmp)};
   view.new_type = type_;
   mpdem::check_host(mpdem::kPoints, view);
+}
+
+// Density of the materials. One is needed for those without a density of their own.
+void CreateCement::take_densities(const Arguments& args, CementRequest& wish) const {
+  for (const mpdem::Bonds::NamedMaterial& m : AtomVecMpdem::of(lmp)->bonds.materials) wish.own_densities.push_back(m.density);
+  bool open = !wish.file.empty();  // a column may name any material
+  for (std::size_t n = 0; n < std::max<std::size_t>(wish.shapes.size(), 1); ++n)
+    open = open || wish.own_density(wish.material_of(static_cast<int>(n))) == 0.0;
+  if (open) {
+    if (wish.density == 0.0) wish.density = mpdem::density_of_calcite(lmp, args);
+    return;
+  }
+  if (wish.density > 0.0)
+    args.complain(text_of("'density ", wish.density, "' has no effect, since the materials have densities of their own, ",
+                          wish.own_density(wish.material_of(0)), "; leave the word out, or change 'density' of cement_material"));
+  wish.density = wish.own_density(wish.material_of(0));
 }
 
 void CreateCement::check_words(const Arguments& args, const CementRequest& wish, bool has_inner, bool has_film) const {

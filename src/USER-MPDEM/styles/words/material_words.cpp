@@ -26,6 +26,7 @@ const std::vector<MaterialKeyword>& material_keywords() {
       {"energy", "G", "", [](Arguments& args, const MaterialKeyword& k, MaterialWords& w) { w.energy = args.positive(k.name); }},
       {"interface", names_listed(traction_entries()), "",
        [](Arguments& args, const MaterialKeyword& k, MaterialWords& w) { w.interface = read_choice(args, k.name, traction_entries()); }},
+      {"density", "rho", "", [](Arguments& args, const MaterialKeyword& k, MaterialWords& w) { w.density = args.positive(k.name); }},
       {"scatter", kScatterValues, "", [](Arguments& args, const MaterialKeyword&, MaterialWords& w) { read_scatter(args, w.scatter); },
        true},
   };
@@ -175,7 +176,9 @@ std::shared_ptr<Law> make_law(LAMMPS_NS::LAMMPS* lmp, const CementOptions& o, co
           text_of("'energy ", m.energy, "' needs a fix mpm with an energy: 'regularization crackband G' or 'nonlocal L energy G'"));
     *of_fix_mpm = m.energy;
   }
-  return make_law(args, o, w);
+  std::shared_ptr<Law> law = make_law(args, o, w);
+  law->set_density(m.density);
+  return law;
 }
 
 std::string listed_material_words() { return listed("cement_material", material_keywords()); }
