@@ -56,7 +56,10 @@ CASES = {
     "fix mpm: missing value": (with_damage("damage tensor B0"), ["fix mpm (id cem)", "B0", "missing", "number"]),
     "fix mpm: not a number": (with_damage("damage tensor B0 9.6MPa"), ["fix mpm (id cem)", "B0", "9.6MPa", "number"]),
     "fix mpm/couple: missing value": ([("kt auto", "kt")], ["fix mpm/couple (id bond)", "kt", "missing", "number"]),
-    "create_cement: grid that is not a number": ([("spacing 0.0001", "spacing 0.0001 grid 0 x 0")], ["create_cement", "'grid 0 x': Y is missing", "'grid 0 0 0'"]),
+    "create_cement: grid that is not a number": (
+        [("spacing 0.0001", "spacing 0.0001 grid 0 x 0")],
+        ["create_cement", "'grid 0 x': Y is missing", "'grid 0 0 0'"],
+    ),
     "create_cement: grid without its third number": ([("spacing 0.0001", "spacing 0.0001 grid 0 0")], ["create_cement", "grid", "missing"]),
     "create_cement: missing value": ([("spacing 0.0001", "spacing")], ["create_cement", "spacing", "missing", "number"]),
     "compute mpm/atom: missing value": ([("run 10\n", "compute d calcite mpm/atom cem\nrun 10\n")], ["compute mpm/atom (id d)", "missing", "one of", "damage"]),
