@@ -157,12 +157,26 @@ def wrap_long_tables(app, doctree, _name):
         table["classes"] += ["colwidths-given", "longtable"]
 
 
-def drawings_for_paper(app, exception):
-    """LaTeX reads no SVG: drawings become PDF."""
+CAPTION = re.compile(r"^   :caption: (.*)\n(?:   :.*\n)*\n   (?:[^<\n]*<)?/([^>\n]+)", re.MULTILINE)
+
+
+def with_parts(text, contents):
+    """LaTeX of the manual in which each caption of the contents is a part, from the chapter of its first page on. Sphinx drops captions there."""
+    for caption, page in CAPTION.findall(contents):
+        at = text.find(rf"\label{{\detokenize{{{page}::doc}}}}")
+        chapter = text.rfind("\n\\chapter{", 0, at)
+        if at < 0 or chapter < 0:
+            raise ExtensionError(f"the LaTeX manual has no chapter for {page}, the first page below '{caption}' of contents.rst")
+        text = f"{text[:chapter]}\n\\part{{{caption}}}{text[chapter:]}"
+    return text
+
+
+def for_paper(app, exception):
+    """Captions of the contents become parts. LaTeX reads no SVG: drawings become PDF."""
     if exception or app.builder.format != "latex":
         return
     tex = Path(app.outdir) / "user-mpdem.tex"
-    text = tex.read_text(encoding="utf-8")
+    text = with_parts(tex.read_text(encoding="utf-8"), (ROOT / "doc/manual/contents.rst").read_text(encoding="utf-8"))
     for drawing in sorted(Path(app.outdir).glob("*.svg")):
         subprocess.run(["rsvg-convert", "--format=pdf", f"--output={drawing.with_suffix('.pdf')}", drawing], check=True)
         text = text.replace(f"{{{{{drawing.stem}}}.svg}}", f"{{{{{drawing.stem}}}.pdf}}")
@@ -181,7 +195,7 @@ def setup(app):
     app.connect("build-finished", copy_mathjax)
     app.connect("build-finished", join_scripts)
     app.connect("doctree-resolved", wrap_long_tables)
-    app.connect("build-finished", drawings_for_paper)
+    app.connect("build-finished", for_paper)
     app.add_lexer("liggghts", ScriptLexer)
     for language in languages():
         if language.startswith("liggghts-"):

@@ -152,6 +152,7 @@ BAD = {
     "no calcite": ("content 0.01 pattern contact 1", "belong to 'calcite'"),
     "coats alone": ("calcite 0.03 pattern coating 1", "neither contacts nor gaps"),
     "two sizes": ("content 0.01 calcite 0.03 pattern contact 1", "both give the size"),
+    "no variation": ("content lognormal 0.01 seed 1", "V is missing, 'seed' is not a finite number"),
     "no seed": ("content lognormal 0.01 0.5", "keyword 'seed' is missing"),
     "seed of nothing": ("content 0.01 seed 5", "nothing is drawn"),
     "seed": ("content lognormal 0.01 0.5 seed 0", "seed"),

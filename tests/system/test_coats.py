@@ -169,6 +169,34 @@ def test_weightless_coat_is_none(tmp_path, figures):
         figures.below(f"{c} of 27 grains with weightless coats: difference over the largest", np.abs(s[c] - t[c]).max() / np.abs(s[c]).max(), 1e-5)
 
 
+@pytest.mark.parametrize(
+    "words, centre, ranks, number",
+    [("walls coat", R, 1, 1), ("walls coat", R, 2, 1), ("walls bare", R, 1, 0), ("walls coat", R + T * 0.999, 1, 0), ("walls coat", R - 0.5 * T, 1, 1)],
+)
+def test_coats_that_walls_press(words, centre, ranks, number, tmp_path):
+    """New coats that overlap a wall are told once, with how many and how deep; coats of a restart file are not."""
+    text = grains([(-2e-3, 0, centre), (2e-3, 0, centre), (0, 0, 4 * R)], ranks=ranks) + coat(words=words) + MPM
+    rest = "timestep 1e-7\nfix floor grains wall/gran model hertz tangential history primitive type 2 zplane 0.0\nfix m grains nve/sphere\n"
+    result = run(text + rest + "run 1\nrun 1\nwrite_restart coated.restart\n", tmp_path, ranks)
+    told = [line for line in result.output.splitlines() if "coated grains press walls" in line]
+    assert len(told) == number, told
+    if number:
+        share = float(re.search(r"the deepest by (\S+) of the thickness", told[0])[1])
+        assert "2 coated grains" in told[0] and "'walls bare'" in told[0] and abs(share - (R + T - centre) / T) < 1e-3, told
+    again = run(host() + "read_restart coated.restart\n" + NEIGHBOURS + CONTACT + MPM + rest + "run 0\n", tmp_path, name="in.again")
+    assert "coated grains press walls" not in again.output
+
+
+def test_rotational_energy_of_liggghts(tmp_path, figures):
+    """compute erotate/sphere counts a coated grain as a full sphere of its mass and of the radius with coat, which is not its moment of inertia."""
+    text = grains([(0, 0, 0)]) + coat() + MPM + "timestep 1e-7\nfix m grains nve/sphere\nset group grains omegaz 300\ncompute e grains erotate/sphere\n"
+    energy = run(text + thermo(1, ["c_e"]) + "run 1\n", tmp_path).table()["c_e"][-1]
+    figures.below(
+        "compute erotate/sphere of a coated grain off m (R + t)^2 w^2/5", abs(energy / (0.2 * (MASS + COAT_MASS) * (R + T) ** 2 * 300**2) - 1), 1e-12
+    )
+    assert abs(energy / (0.5 * INERTIA * 300**2) - 1) > 0.01
+
+
 def test_ranks_and_restart(tmp_path, figures):
     """Coated grains go on from a restart file bitwise, and fly the same on 1, 2 and 4 ranks."""
     words = coat(2e-5, 2710, words="walls bare")

@@ -56,7 +56,7 @@ def test_deleted_without_points(tmp_path):
 
 BAD_COMMANDS = {
     "run 0\ndelete_bond": ["pair", "expected at the end"],
-    "run 0\ndelete_bond pair 1": ["a whole number for 'pair'"],
+    "run 0\ndelete_bond pair 1": ["a whole number for 'pair 1'", "the ID of the second grain"],
     "run 0\ndelete_bond pair 1 3": ["'pair 1 3'", "no cement", "use the IDs"],
     "run 0\ndelete_bond some": ["'some'", "'separated'"],
     "run 0\ndelete_bond all 3": ["'3' is one word too many"],

@@ -303,7 +303,7 @@ LARGE_CLASSES = {
     "coupling/grain_state.h:GrainState": (19, RECORD),
     "coupling/penalty_links.h:PenaltyLinks": (20, LOOPS),
     "fracture/phantom_nodes.h:NodeSplitter": (19, "to be divided: state of one node"),
-    "mpm/bond_record.h:BondRecord": (28, RECORD),
+    "mpm/bond_record.h:BondRecord": (30, RECORD),
     "mpm/extension_constraints.h:ExtensionConstraints": (17, LOOPS),
     "mpm/grid.h:Grid": (20, LOOPS),
     "mpm/point_record.h:PointRecord": (26, RECORD),

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The manual is made of all pages without a warning, and what a browser loads with it is beside it."""
+import importlib.util
 import re
 import subprocess
 from pathlib import Path
@@ -90,3 +91,21 @@ def test_scripts_of_the_theme_run_in_a_browser(manual):
     script = (manual / "_static/scripts/furo.js").read_text(encoding="utf-8")
     assert "root.Gumshoe = factory(root)" in script and not re.search(r"^import ", script, re.M)
     assert "prefers-color-scheme: dark" in (manual / "_static/manual.css").read_text(encoding="utf-8")
+
+
+def test_captions_of_the_contents_are_parts_on_paper():
+    """Each caption of the contents begins a part at the chapter of its first page; a chapter that is missing stops."""
+    spec = importlib.util.spec_from_file_location("manual_conf", ROOT / "doc/manual/conf.py")
+    conf = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(conf)
+    contents = (ROOT / f"{CONTENTS}.rst").read_text(encoding="utf-8")
+    captions = re.findall(r":caption: (.*)", contents)
+    pages = [page for block in contents.split(".. toctree::")[1:] for page in re.findall(r"^   (?:.*<)?/([\w/]+)>?$", block, re.MULTILINE)]
+    tex = "".join(f"\n\\chapter{{{page}}}\n\\label{{\\detokenize{{{page}::doc}}}}\ntext\n" for page in pages)
+    lines = conf.with_parts(tex, contents).splitlines()
+    parts = [n for n, line in enumerate(lines) if line.startswith("\\part")]
+    assert [lines[n] for n in parts] == [f"\\part{{{caption}}}" for caption in captions] and len(parts) > 5
+    firsts = [re.search(r"/([\w/]+)>?\n", block)[1] for block in contents.split(":caption: ")[1:]]
+    assert [lines[n + 1] for n in parts] == [f"\\chapter{{{page}}}" for page in firsts]
+    with pytest.raises(conf.ExtensionError):
+        conf.with_parts(tex.replace("theory", "other"), contents)

@@ -263,6 +263,8 @@ def test_films_have_no_scatter_of_energy_and_interface(tmp_path, monkeypatch):
     [
         ("cement_material default elastic isotropic 1e10 0.2\n", "", "", "'default' is the material of fix mpm"),
         ("cement_material soft elastic isotropic 1e10 0.6\n", "", "", "nu = 0.6 must lie between"),
+        ("cement_material soft elastic isotropic 1e10 energy 3\n", "", "", "nu is missing, 'energy' is not a finite number"),
+        ("cement_material soft elastic vti 1e10 1e10 0.2 0.2 energy 3\n", "", "", "Gzp is missing, 'energy' is not a finite number"),
         ("cement_material soft dmage tensor B0 1\n", "", "", "'dmage'"),
         ("", "material soft", "", "there is no 'material soft'; known are default"),
         ("cement_material soft\ncement_material soft energy 3\n", "", "", "this material exists with the words"),

@@ -258,6 +258,14 @@ def test_first_steps(tmp_path):
     assert result.table()["f_cem[2]"][-1] > 10 and len(told(result)) == 1
 
 
+@pytest.mark.parametrize("rest, steps", [("run 0\nrun 0\n", 0), ("run 400\n", 400), ("run 400\nrun 0\n", 400)])
+def test_rest_before_a_fast_load(rest, steps, tmp_path):
+    """Checks at rest, before the load began, do not make a load that breaks cement before the next check a slow one."""
+    script = edit(pulled("", pull(3.0, 1e-6), 90), "variable t equal step*dt", f'variable t equal "(step-{steps})*dt*(step>{steps})"')
+    result = run(edit(script, "run 90\n", rest + "run 90\n"), tmp_path)
+    assert result.table()["f_cem[2]"][-1] > 10 and len(told(result)) == 1
+
+
 def test_links_that_debond(tmp_path):
     """Debonded links count alone, where neither points fail nor much was dissipated."""
     result = run(pulled("", FAST, 300, "interface cohesive tn 1e6 tt 1e6 Gn 1e-4 Gt 1e-4"), tmp_path)

@@ -238,10 +238,10 @@ def test_version_and_programs_without_seal(tmp_path, whole):
     """A file of another version says so; one without seal whose writer makes none is read."""
     at = whole.index(b"MPDEMrst") + 8
     bare = whole[:-BYTES_OF_SEAL]
-    for version in (2, 28, 30):
+    for version in (2, 29, 31):
         result = read_in(tmp_path, bare[:at] + version.to_bytes(4, "little") + bare[at + 4 :])
         assert result.status != 0 and len(result.errors()) == 1
-        for words in (f"version {version}, this program reads version 29", "go on with the USER-MPDEM that wrote the file", "write_cement"):
+        for words in (f"version {version}, this program reads version 30", "go on with the USER-MPDEM that wrote the file", "write_cement"):
             assert words in result.errors()[0]
     result = read_in(tmp_path, bare[: at + 16] + bytes(4) + bare[at + 20 :])
     assert result.status == 0, result.output[-1000:]

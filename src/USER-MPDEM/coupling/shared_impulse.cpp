@@ -24,7 +24,7 @@ void SharedImpulse::follow_grains(const Grid& grid, const BondRecord& record, co
 }
 
 // If nothing failed, the mass is bitwise that of the nodes.
-void SharedImpulse::find_intact_mass(const PointStore& points, const Grid& grid, double density) {
+void SharedImpulse::find_intact_mass(const PointStore& points, const Grid& grid, const CementDensity& density) {
   if (stale_) {
     const bool some_failed = points.any_failed();
     here_.clear();

@@ -39,7 +39,7 @@ class SharedImpulse : public BondMechanism {
   void add_force(const BondContext&, Losses&) override { force_.clear(); }
   // Finds the nodal mass of the intact points of this rank. Call it before an impulse. The caller sums intact_mass()
   // over the ranks that share nodes.
-  void find_intact_mass(const PointStore& points, const Grid& grid, double density);
+  void find_intact_mass(const PointStore& points, const Grid& grid, const CementDensity& density);
   std::vector<double>& intact_mass() { return intact_mass_; }
 
   // Adds the moments of the mass m of the nodes that this rank counts: `own` with m (1-s)^2 for grain 0 and m s^2 for

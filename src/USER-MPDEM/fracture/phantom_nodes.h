@@ -52,7 +52,7 @@ class PhantomNodes {
   struct Entry {
     int layer, copy;
     int first;      // the copy at the start from which it descends
-    double volume;  // volume of the copy: its mass over the density
+    double volume;  // volume of the copy: its mass over the density of the scene
   };
   using Row = std::vector<Entry>;  // entries of one node, ascending in layer
 

@@ -134,6 +134,9 @@ class Law {
   // Scatter of this material.
   const Scatter& scatter() const { return scatter_; }
   void set_scatter(const Scatter& s) { scatter_ = s; }
+  // Density of this material, mass per volume; 0: that of the scene (cement_density.h).
+  double density() const { return density_; }
+  void set_density(double density) { density_ = density; }
   // Does one of the materials have scatter of this kind, or any scatter?
   bool any_scatter(Scattered what) const;
   bool any_scatter() const;
@@ -155,7 +158,7 @@ class Law {
 
  private:
   VtiElasticity elasticity_;
-  double length_ = 0.0;
+  double length_ = 0.0, density_ = 0.0;
   std::vector<std::shared_ptr<const Law>> others_;
   Scatter scatter_;
 };

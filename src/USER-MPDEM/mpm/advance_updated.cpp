@@ -33,13 +33,13 @@ Mat3<vd> affine_part(const double* velocity, const int* column, const Weights<Ty
 
 // Scatters mass, momentum and internal force of the lanes `which` of block b to the nodes, with the weights s.
 template <class W>
-void give(const PointStore& points, int b, const W& s, vmask which, const Sym3<vd>& stress, Grid& grid, double density,
+void give(const PointStore& points, int b, const W& s, vmask which, const Sym3<vd>& stress, Grid& grid, const CementDensity& density,
           const Transfer& transfer) {
   const PointBlock& p = points.blocks[b];
   const BlockMeta& m = points.meta[b];
   const PointMotion& u = points.motion[b];
   const vd volume = select(which, p.volume, vd{});
-  const vd mass = density * volume;
+  const vd mass = density.of(m.material) * volume;
   scatter_scalar(grid.mass.own().data(), m.column, s, mass);
   vd momentum[3];
   for (int d = 0; d < 3; ++d) momentum[d] = mass * u.v[d];
@@ -105,7 +105,7 @@ void move_to_present(PointStore& points, const Grid& grid) {
   });
 }
 
-void UpdatedPass::project(const PointStore& points, Grid& grid, const Law& law, double density, const Transfer& transfer) {
+void UpdatedPass::project(const PointStore& points, Grid& grid, const Law& law, const CementDensity& density, const Transfer& transfer) {
   std::fill(grid.mass.own().begin(), grid.mass.own().end(), 0.0);
   grid.momentum.assign(grid.force.size(), 0.0);
   grid.clear_force();
@@ -121,8 +121,8 @@ void UpdatedPass::project(const PointStore& points, Grid& grid, const Law& law, 
   });
 }
 
-void UpdatedPass::advance(PointStore& points, Grid& grid, const Law& law, double density, double dt, double dt_v, const Transfer& transfer,
-                          const AdvanceOptions& options, AdvanceResult& result) {
+void UpdatedPass::advance(PointStore& points, Grid& grid, const Law& law, const CementDensity& density, double dt, double dt_v,
+                          const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result) {
   std::fill(grid.mass.own().begin(), grid.mass.own().end(), 0.0);
   grid.momentum.assign(grid.force.size(), 0.0);
   grid.clear_force();
@@ -140,8 +140,8 @@ void UpdatedPass::advance(PointStore& points, Grid& grid, const Law& law, double
 }
 
 template <class Type, class L>
-void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double density, double dt, double dt_v, const Transfer& transfer,
-                       const AdvanceOptions& options, AdvanceResult& result) {
+void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, const CementDensity& density, double dt, double dt_v,
+                       const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result) {
   const double inverse_h = 1.0 / grid.h;
   const double* velocity = grid.velocity.data();
   PointStress<L> stress_at_end(points, law, dt, options, grid.drive_limit, result);

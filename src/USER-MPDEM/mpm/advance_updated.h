@@ -31,11 +31,11 @@ class UpdatedPass {
 
   // Does the pass of a step. dt: the step. dt_v: the kick. Needs grid.velocity at the middle of the step. With `flip`, the caller must
   // have added dt_v times grid.acceleration to it. Overwrites grid.mass, grid.momentum and grid.force with the sums of this rank.
-  void advance(PointStore& points, Grid& grid, const Law& law, double density, double dt, double dt_v, const Transfer& transfer,
-               const AdvanceOptions& options, AdvanceResult& result);
+  void advance(PointStore& points, Grid& grid, const Law& law, const CementDensity& density, double dt, double dt_v,
+               const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result);
 
   // Scatters mass, momentum and force of the points to the nodes. Moves no point.
-  static void project(const PointStore& points, Grid& grid, const Law& law, double density, const Transfer& transfer);
+  static void project(const PointStore& points, Grid& grid, const Law& law, const CementDensity& density, const Transfer& transfer);
 
   // Slot of a point before and after the last step. A point changes its slot when it moves to another cell, or to
   // another block of its cell.
@@ -56,7 +56,7 @@ class UpdatedPass {
 
  private:
   template <class Type, class L>
-  void pass(PointStore& points, Grid& grid, const L& law, double density, double dt, double dt_v, const Transfer& transfer,
+  void pass(PointStore& points, Grid& grid, const L& law, const CementDensity& density, double dt, double dt_v, const Transfer& transfer,
             const AdvanceOptions& options, AdvanceResult& result);
   void relocate(PointStore& points, const Grid& grid, AdvanceResult& result);
   bool pack(PointStore& points, const Grid& grid, int node);

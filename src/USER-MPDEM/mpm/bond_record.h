@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 
+#include "../material/cement_density.h"
 #include "../numerics/rotation.h"
 #include "../parallel/key.h"
 #include "../parallel/record.h"
@@ -44,10 +45,11 @@ struct BondRecord {
   bool condensed = false;                 // displacements follow from those of the grains, see coupling/condensed_bond.h
   double rest_time = 0.0;                 // time for which its pieces have been at rest, see cement/step/condensing.h
   double volume = 0;
-  double spacing = 0;             // spacing of the lattice of points
-  double lattice[3] = {0, 0, 0};  // a corner of the lattice, in reference coordinates
-  bool regular = true;            // points of full cells lie in the middle of their cells
-  double thickness = 0;           // largest thickness of the cement between the grains; 0: film alone
+  double own_volume = 0, own_mass = 0;  // of its points whose material has a density of its own: volume and mass
+  double spacing = 0;                   // spacing of the lattice of points
+  double lattice[3] = {0, 0, 0};        // a corner of the lattice, in reference coordinates
+  bool regular = true;                  // points of full cells lie in the middle of their cells
+  double thickness = 0;                 // largest thickness of the cement between the grains; 0: film alone
   int points = 0;
   int material = 0;               // number of the material of all its points, see Law::of_material(); kSeveralMaterials: of several
   int point_template = 0;         // number of its point template, from 1, until its points are made (point_template.h); else 0
@@ -60,6 +62,8 @@ struct BondRecord {
   bool has_grain(int side) const { return points > 0 && !left[side]; }
   // True if cells do not resolve the cement between the grains, which is a seam (geometry/film_fill.h).
   bool is_thinner_than(double cell) const { return thickness > 0.0 && thickness < cell; }
+
+  double mass(const CementDensity& density) const { return CementVolume{volume, own_volume, own_mass}.mass(density); }
 
   // See parallel/record.h.
   template <class Self, class Visitor>
@@ -85,6 +89,8 @@ struct BondRecord {
     visit("'is condensed'", b.condensed);
     visit("the time its pieces were at rest", b.rest_time, kNotNegative);
     visit("its volume", b.volume, kNotNegative);
+    visit("its volume of cement with a density of its own", b.own_volume, kNotNegative);
+    visit("the mass of its cement with a density of its own", b.own_mass, kNotNegative);
     // Across the grains there are at most as many cells as an int can count.
     const double widest = 2.0 * (b.radius[0] + b.radius[1]);
     visit("its spacing", b.spacing, from(1e-8 * widest, widest));

@@ -10,14 +10,14 @@ namespace mpdem {
 
 namespace {
 
-vd mass_of(const PointBlock& p, const BlockMeta& m, MassOf which, double density) {
-  const vd mass = density * p.volume;
+vd mass_of(const PointBlock& p, const BlockMeta& m, MassOf which, const CementDensity& density) {
+  const vd mass = density.of(m.material) * p.volume;
   return which == MassOf::all_points ? mass : select(lanes(m.failed), vd{}, mass);
 }
 
 }  // namespace
 
-void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale,
+void add_consistent_mass(const PointStore& points, const Grid& grid, const CementDensity& density, MassOf which, double scale,
                          const std::vector<double>& field, std::vector<double>& out) {
   std::vector<double> completed;
   if (!grid.constraints.empty()) {
@@ -43,7 +43,7 @@ void add_consistent_mass(const PointStore& points, const Grid& grid, double dens
   grid.constraints.add_to_mass_receivers(out.data(), 3);
 }
 
-void ConsistentMass::find_inertial_force(const PointStore& points, Grid& grid, double density) {
+void ConsistentMass::find_inertial_force(const PointStore& points, Grid& grid, const CementDensity& density) {
   if (row_sums_.empty()) {
     row_sums_.assign(grid.size(), 0.0);
     with_basis(grid.basis, [&](auto type) {

@@ -27,7 +27,7 @@ namespace mpdem {
 enum class MassOf { all_points, unfailed_points };
 
 // out += scale M field for the points of this rank, three numbers a node. Constrained nodes pass theirs on to their mass receivers.
-void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale,
+void add_consistent_mass(const PointStore& points, const Grid& grid, const CementDensity& density, MassOf which, double scale,
                          const std::vector<double>& field, std::vector<double>& out);
 
 // Inertial force (M_L - M) a of one bond. Caches the row sums of M until points fail.
@@ -36,7 +36,7 @@ class ConsistentMass : public BondMechanism {
   void points_failed(const BondContext&, const std::vector<int>&, const std::vector<int>&, Losses&) override { row_sums_.clear(); }
   // Sets Grid::inertial_force to (M_L - M) a with the acceleration a of the nodes. M and M_L are those of unfailed
   // points of this rank.
-  void find_inertial_force(const PointStore& points, Grid& grid, double density);
+  void find_inertial_force(const PointStore& points, Grid& grid, const CementDensity& density);
   std::size_t memory_usage() const override { return row_sums_.capacity() * sizeof(double); }
 
  private:

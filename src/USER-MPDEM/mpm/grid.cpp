@@ -359,13 +359,13 @@ void Grid::constrain(const std::vector<ExtensionConstraint>& wanted, bool any, b
   any_constraints_ = any;
 }
 
-std::vector<double> Grid::local_mass(const PointStore& points, double density, bool intact_only) const {
+std::vector<double> Grid::local_mass(const PointStore& points, const CementDensity& density, bool intact_only) const {
   std::vector<double> mass(keys.size(), 0.0);
   const double inverse_h = 1.0 / h;
   with_basis(basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const BlockMeta& m = points.meta[b];
-      vd of_point = density * points.blocks[b].volume;
+      vd of_point = density.of(m.material) * points.blocks[b].volume;
       if (intact_only) of_point = select(lanes(m.failed), vd{}, of_point);
       with_weights<decltype(type)>(points.blocks[b], m, inverse_h, [&](const auto& s) {
         with_sums<1>(*this, m, mass.data(), [&](double* sums, const int* column) { scatter_scalar(sums, column, s, of_point); });
@@ -375,11 +375,11 @@ std::vector<double> Grid::local_mass(const PointStore& points, double density, b
   return mass;
 }
 
-void Grid::lump_mass(const PointStore& points, double density) {
+void Grid::lump_mass(const PointStore& points, const CementDensity& density) {
   std::vector<double> mass = local_mass(points, density);
   // A given volume is no less than the volume of the intact points. So the bound of the eigenvalue remains valid.
   for (std::size_t i = 0; i < given_volume.size(); ++i)
-    if (given_volume[i] >= 0.0) mass[i] = halo.counts_here()[i] ? density * given_volume[i] : 0.0;
+    if (given_volume[i] >= 0.0) mass[i] = halo.counts_here()[i] ? density.of_scene * given_volume[i] : 0.0;
   // The bound of the eigenvalue holds at each node of the unconstrained grid. The kinetic energy of a constrained node
   // satisfies (sum w v)^2 <= (sum |w|) (sum |w| v^2), with sums over its masters.
   constraint_factor_.clear();
@@ -396,7 +396,7 @@ void Grid::lump_mass(const PointStore& points, double density) {
   // accelerate.
   constexpr double kRounding = 1e-24;
   for (double& m : mass)
-    if (m < kRounding * density * h * h * h) m = 0.0;
+    if (m < kRounding * density.of_scene * h * h * h) m = 0.0;
   if (any_constraints_) {
     halo.sum(constraint_factor_.data(), 1);
     const std::vector<int> row = constraints.row_of_each(size());

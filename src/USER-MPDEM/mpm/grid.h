@@ -108,11 +108,11 @@ class Grid {
   // result as constrain().
   void constrain(const std::vector<ExtensionConstraint>& wanted, bool any, bool chained = true);
 
-  // Finds the lumped mass from the points, whose density is uniform, or from given_volume where that is set. The mass
+  // Finds the lumped mass from the points, or from given_volume where that is set. The mass
   // of constrained nodes goes to their mass receivers. Collective among the ranks that share nodes.
-  void lump_mass(const PointStore& points, double density);
+  void lump_mass(const PointStore& points, const CementDensity& density);
   // Lumped mass of the points of this rank alone, without constraints. intact_only: only of intact points.
-  std::vector<double> local_mass(const PointStore& points, double density, bool intact_only = false) const;
+  std::vector<double> local_mass(const PointStore& points, const CementDensity& density, bool intact_only = false) const;
 
   void clear_force();
   void sum_force() {

@@ -11,14 +11,15 @@ namespace mpdem {
 namespace {
 
 // out += sum over the points of m_p N_I (v_p + C_p (X_I - X_p)), with v_p and C_p interpolated from the field.
-void add_affine(const PointStore& points, const Grid& grid, double density, const std::vector<double>& field, std::vector<double>& out) {
+void add_affine(const PointStore& points, const Grid& grid, const CementDensity& density, const std::vector<double>& field,
+                std::vector<double>& out) {
   with_basis(grid.basis, [&](auto type) {
     using Type = decltype(type);
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const PointBlock& p = points.blocks[b];
       const BlockMeta& m = points.meta[b];
       with_weights<Type>(p, m, 1.0 / grid.h, [&](const auto& s) {
-        const vd mass = density * p.volume;
+        const vd mass = density.of(m.material) * p.volume;
         vd v[3];
         gather_value(field.data(), m.column, s, v);
         for (int i = 0; i < 3; ++i) v[i] *= mass;
@@ -35,7 +36,7 @@ void add_affine(const PointStore& points, const Grid& grid, double density, cons
 }
 
 // Collective. out = y field with the map y of the header, or with `affine` the velocity that apic makes of the field.
-void project(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density, bool affine,
+void project(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, const CementDensity& density, bool affine,
              const std::vector<double>& field, std::vector<double>& out) {
   out.assign(field.size(), 0.0);
   if (affine) add_affine(points, grid, density, field, out);
@@ -52,7 +53,7 @@ void project(const PointStore& points, Grid& grid, const SharedList<double>& add
 
 }  // namespace
 
-void reproject_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density,
+void reproject_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, const CementDensity& density,
                         const Transfer& transfer, double dt, std::vector<double>& jump) {
   const std::size_t n = grid.velocity.size();
   std::vector<double>& v = grid.velocity;
@@ -77,7 +78,7 @@ void reproject_velocity(const PointStore& points, Grid& grid, const SharedList<d
   for (std::size_t i = 0; i < n; ++i) v[i] += jump[i];
 }
 
-void filter_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density, int order) {
+void filter_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, const CementDensity& density, int order) {
   // q(y) = (1 - (1 - y)^m)/y = sum over k < m of (1 - y)^k
   std::vector<double> r(grid.velocity), y;
   for (int k = 1; k < order; ++k) {

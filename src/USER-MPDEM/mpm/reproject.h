@@ -25,12 +25,12 @@ namespace mpdem {
 
 // Collective among the ranks that share nodes. jump: receives the change of the nodal velocities. dt: length of the
 // coming kick, for flip. added_mass: for each node, or empty.
-void reproject_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density,
+void reproject_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, const CementDensity& density,
                         const Transfer& transfer, double dt, std::vector<double>& jump);
 
 // Collective. v <- q(y) v with q as in transfer.h: xpic m as it acts on the velocity before the acceleration is added.
 // Momentum is conserved, including that of the added mass.
-void filter_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density, int order);
+void filter_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, const CementDensity& density, int order);
 
 }  // namespace mpdem
 

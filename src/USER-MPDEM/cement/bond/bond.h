@@ -133,7 +133,13 @@ class Bonds {
   // Materials that the script named, the same on all ranks; the first has number 1. words: its keywords and values, between blanks.
   struct NamedMaterial {
     std::string name, words;
+    double density = 0.0;  // of its own; 0: that of create_cement
   };
+  // Density of its own of a material; 0: none.
+  double own_density(int material) const {
+    const std::size_t n = static_cast<std::size_t>(material) - 1;
+    return n < materials.size() ? materials[n].density : 0.0;
+  }
   std::vector<NamedMaterial> materials;
 
   // Iterators over the bonds with points or nodes on this rank, in ascending order of their rows. The address of a bond

@@ -66,7 +66,7 @@ std::vector<BondedGrains::OwnedEnd> BondedGrains::find_ends(MPI_Comm comm, const
   return owned;
 }
 
-void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density) {
+void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, const CementDensity& density) {
   owned_ = find_ends(comm, bonds, false, ends);
   for (Bond& b : bonds) b.first_end_index = ends.find(b.row, 0);
   for (Grain& g : grains) g.ends.clear();
@@ -76,7 +76,7 @@ void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density) {
     for (int s = 0; s < 2; ++s) {
       const std::size_t grain = record.has_grain(s) ? slot_of(record.grain[s]) : grains.size();
       if (grain == grains.size()) continue;
-      cement[grain] += density * record.volume;
+      cement[grain] += record.mass(density);
       grains[grain].radius_at_creation = record.radius[s];
     }
   changed_ = false;
@@ -96,7 +96,7 @@ BondedGrains::EndsOfAll BondedGrains::ends_of_all(MPI_Comm comm, const Bonds& bo
   return of_all;
 }
 
-void BondedGrains::rebind_ends(MPI_Comm comm, Bonds& bonds, double density, const std::vector<BondEnd>& activated) {
+void BondedGrains::rebind_ends(MPI_Comm comm, Bonds& bonds, const CementDensity& density, const std::vector<BondEnd>& activated) {
   std::vector<BondEnd> before(ends.ends);
   before.insert(before.end(), activated.begin(), activated.end());
   const auto comes_before = [](const BondEnd& a, const BondEnd& b) {

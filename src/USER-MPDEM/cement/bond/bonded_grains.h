@@ -64,10 +64,10 @@ class BondedGrains {
 
   // Collective. Call after grains or bonds changed rank. Finds the ends of the resolved bonds, and their owners.
   // density: density of the inertia of the cement.
-  void bind(MPI_Comm comm, Bonds& bonds, double density);
+  void bind(MPI_Comm comm, Bonds& bonds, const CementDensity& density);
   // Collective. Call when bonds were activated in a step. They get ends, and the other ends keep their state. activated:
   // state of the new ends, ascending, on ranks that had the condensed bonds.
-  void rebind_ends(MPI_Comm comm, Bonds& bonds, double density, const std::vector<BondEnd>& activated);
+  void rebind_ends(MPI_Comm comm, Bonds& bonds, const CementDensity& density, const std::vector<BondEnd>& activated);
   // Collective. Sends the motion of the grains to all ranks that have ends of bonds on them.
   void distribute(const Bonds& bonds);
   // Collective. Returns ends of all bonds, condensed ones too, with the present motion of the grains.

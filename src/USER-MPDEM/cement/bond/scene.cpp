@@ -37,9 +37,11 @@ bool Scene::stays_linear(const Bond& b) const {
 double Scene::eigenvalue_bound() const {
   // The distribution from which moduli are drawn has no largest value.
   if (law->any_scatter(Scattered::moduli)) return 0.0;
-  double stiffest = 0.0;
-  for (int n = 0; n < law->materials(); ++n) stiffest = std::max(stiffest, law->of_material(n).elasticity().largest_stiffness());
-  return mpdem::eigenvalue_bound(options.basis, stiffest, scaled_density, options.cell);
+  double largest = 0.0;
+  for (int n = 0; n < law->materials(); ++n)
+    largest = std::max(largest, mpdem::eigenvalue_bound(options.basis, law->of_material(n).elasticity().largest_stiffness(),
+                                                        inertia().of(n), options.cell));
+  return largest;
 }
 
 std::vector<int> Scene::all_rows() const {

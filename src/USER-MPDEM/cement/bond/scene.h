@@ -69,7 +69,7 @@ struct Scene {
   std::shared_ptr<const Law> law;            // law of material 0, which has the laws of the other materials
   std::optional<PenaltyParameters> penalty;  // parameters of the links; none: no links
   ElasticGrains elastic_grains = ElasticGrains::none;
-  double scaled_density = 0.0;  // density of the calcite times the mass scale
+  double scaled_density = 0.0;  // of materials without a density of their own: density times the mass scale
   BondedGrains grains;
   EnergyBalance energy;
   StepTimer timer;
@@ -100,6 +100,9 @@ struct Scene {
   bool is_topology_step() const { return begins_step() && (now.number - 1) % topology_interval() == 0; }
 
   double density() const { return scaled_density / options.mass_scale; }
+  // Density of the inertia of the cement, by materials. true_density() is the same without the mass scale.
+  CementDensity inertia() const { return {scaled_density, options.mass_scale, law.get()}; }
+  CementDensity true_density() const { return {density(), 1.0, law.get()}; }
   bool leaves_residue() const { return penalty && penalty->law->leaves_residue(); }
   // Can points fail, or links debond?
   bool can_break() const { return penalty && !(law->inert() && penalty->law->fields() == 0); }

@@ -86,7 +86,8 @@ Eigen::Matrix<double, 6, 1> momentum_of_node(const Grid& grid, int node, const C
   const Vector3 p = grid.mass[node] * (motion.axes().transpose() * CondensedMotion::vector(&grid.velocity[3 * node]));
   const Vector3 position = position_of(grid, node) + CondensedMotion::vector(&grid.displacement[3 * node]);
   Eigen::Matrix<double, 6, 1> of_node;
-  of_node << p, Vector3(motion.axes().transpose() * (position - motion.middle())).cross(p);
+  of_node.head<3>() = p;
+  of_node.tail<3>() = Vector3(motion.axes().transpose() * (position - motion.middle())).cross(p);
   return of_node;
 }
 

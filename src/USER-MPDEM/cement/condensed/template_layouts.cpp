@@ -16,6 +16,7 @@ namespace {
 std::vector<CondensedBonds::TemplateBond> layouts_at_creation(const Scene& scene, Bonds& alone, const PenaltyParameters* penalty) {
   const CementOptions& options = scene.options;
   NodeSplitting splits;
+  splits.set_density(scene.inertia());
   NewLayersOfBonds layers = splits.start(MPI_COMM_SELF, alone, options);
   std::vector<LayoutRequest> requests;
   std::vector<int> rows;
@@ -30,7 +31,7 @@ std::vector<CondensedBonds::TemplateBond> layouts_at_creation(const Scene& scene
     requests.back().layers = std::move(layers[b.row]);
     rows.push_back(b.row);
   }
-  const LayoutRules rules{MPI_COMM_SELF, alone.table, options, scene.law, scene.scaled_density, penalty, splits, *scene.formulation};
+  const LayoutRules rules{MPI_COMM_SELF, alone.table, options, scene.law, scene.inertia(), penalty, splits, *scene.formulation};
   std::vector<CondensedBonds::TemplateBond> found;
   for (BondLayout& l : make_layout(rules, rows, std::move(requests))) {
     found.push_back({l.row + 1, Bond(), alone.table[l.row], true});

@@ -105,6 +105,19 @@ void CementMaker::check_grains_of_file(std::size_t bond, const std::map<int, int
                              " does not exist; create it before, or leave its lines out"));
 }
 
+// Mass of points whose material has a density of its own. The points of a shape may sum to another volume than the shape by a rounding.
+void CementMaker::find_own_mass(Fill& f) const {
+  CementVolume points;
+  for (const FillPoint& p : f.points) points.add(p.volume, wish_.own_density(p.material));
+  if (points.own_volume == 0.0) return;
+  const double factor = f.record.volume / points.volume;
+  f.record.own_volume = std::min(f.record.volume, points.own_volume * factor);
+  f.record.own_mass = points.own_mass * factor;
+  if (f.record.material == kSeveralMaterials) return;
+  f.record.own_volume = f.record.volume;
+  f.record.own_mass = wish_.own_density(f.record.material) * f.record.volume;
+}
+
 void CementMaker::fill_one(int fill, double most, BondTrouble& trouble) {
   Fill& f = fills_[fill];
   f.record = BondRecord();
@@ -120,6 +133,7 @@ void CementMaker::fill_one(int fill, double most, BondTrouble& trouble) {
   f.record.material = f.points.empty() ? 0 : f.points.front().material;
   for (const FillPoint& p : f.points)
     if (p.material != f.record.material) f.record.material = kSeveralMaterials;
+  find_own_mass(f);
   f.box.setEmpty();
   for (const FillPoint& p : f.points) f.box.extend(p.X);
 }
@@ -174,7 +188,7 @@ void CementMaker::make_fills(const Batch& batch, BondTrouble& trouble) {
 
 // Shares the numbers of fills among all ranks. The rank that made a fill has them; the others add zero.
 void CementMaker::share_numbers(const std::vector<int>& fills) {
-  constexpr int kNumbers = 13;
+  constexpr int kNumbers = 15;
   std::vector<double> all(kNumbers * fills.size(), 0.0);
   for (std::size_t k = 0; k < fills.size(); ++k) {
     const Fill& f = fills_[fills[k]];
@@ -186,6 +200,8 @@ void CementMaker::share_numbers(const std::vector<int>& fills) {
     v[4] = f.record.thickness;
     v[11] = f.record.material;
     v[12] = f.record.regular;
+    v[13] = f.record.own_volume;
+    v[14] = f.record.own_mass;
     if (f.points.empty()) continue;
     for (int d = 0; d < 3; ++d) {
       v[5 + d] = f.box.min()[d];
@@ -204,6 +220,8 @@ void CementMaker::share_numbers(const std::vector<int>& fills) {
     f.record.thickness = v[4];
     f.record.material = static_cast<int>(v[11]);
     f.record.regular = v[12] > 0.0;
+    f.record.own_volume = v[13];
+    f.record.own_mass = v[14];
     f.record.spacing = wish_.spacing;
     f.corner = Vector3(wish_.grid[0], wish_.grid[1], wish_.grid[2]);
     for (int c = 0; c < 3; ++c) f.record.lattice[c] = -f.corner[c];

@@ -134,7 +134,7 @@ void CementMaker::make_batch(Batch& batch) {
     table_.push_back(b);
     sums_.points += b.points;
     sums_.volume += b.volume;
-    sums_.mass += b.volume * wish_.density;
+    sums_.mass += b.mass(wish_.density);
   }
   if (live_ > kPointsOfABatch || !wish_.file.empty()) forget_fills();
 }
@@ -264,7 +264,7 @@ std::string CementMaker::report_of(std::size_t n, const BondRecord& record) {
   std::string what = wish_.file.empty() ? plan_.shape_of(bond.kind).describe() : "file '" + wish_.file + "'";
   if (wish_.file.empty() && record.volume < whole) what += text_of(", trimmed from a volume of ", whole);
   return text_of("Cement between grains ", record.grain[0], " and ", record.grain[1], ": ", what, "\n  volume ", record.volume,
-                 ", content (mass over mass of the grains) ", record.volume * wish_.density / (bond.grain[0].mass + bond.grain[1].mass),
+                 ", content (mass over mass of the grains) ", record.mass(wish_.density) / (bond.grain[0].mass + bond.grain[1].mass),
                  ", attached area ", record.attached_area[0], " + ", record.attached_area[1], ", ", record.points, " points\n",
                  of_cells(kind_told, wish_));
 }

@@ -136,6 +136,7 @@ class CementMaker {
   // In cement_fills.cpp.
   void make_fills(const Batch& batch, BondTrouble& trouble);
   void fill_one(int fill, double most, BondTrouble& trouble);
+  void find_own_mass(Fill& fill) const;
   void fill_by_shape(Fill& fill, double most);
   void fill_by_file(Fill& fill);
   void check_grains_of_file(std::size_t bond, const std::map<int, int>& line) const;

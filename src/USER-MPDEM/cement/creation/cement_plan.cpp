@@ -241,7 +241,7 @@ double CementPlan::content_of(const ShapeWords& words, const PlannedBond& bond) 
 }
 
 std::pair<double, double> CementPlan::content_bounds(const PlannedBond& bond) const {
-  const double to_content = wish_.density / (bond.grain[0].mass + bond.grain[1].mass);
+  const double grain_mass = bond.grain[0].mass + bond.grain[1].mass;
   // more than both grains hold
   const double too_much = 1e3 * (std::pow(bond.pair.R1, 3) + std::pow(bond.pair.R2, 3));
   for (const ShapeWords& w : wish_.shapes) {
@@ -251,6 +251,7 @@ std::pair<double, double> CementPlan::content_bounds(const PlannedBond& bond) co
     } catch (const VolumeError& e) {
       // By rounding, a shape may refuse its own bounds.
       constexpr double kInside = 1e-9;
+      const double to_content = wish_.density_of_shape(w) / grain_mass;
       return {e.least * (1.0 + kInside) * to_content, e.most * (1.0 - kInside) * to_content};
     }
   }
@@ -265,14 +266,14 @@ const Shape& CementPlan::shape_of(int kind) {
   const double inner = inner_of(bond);
   std::vector<std::unique_ptr<Shape>> made;
   for (const ShapeWords& w : wish_.shapes) {
-    const double asked = content_of(w, bond);
+    const double asked = content_of(w, bond), density = wish_.density_of_shape(w);
     try {
-      made.push_back(make_shape(w, bond.pair, asked * grain_mass / wish_.density, inner));
+      made.push_back(make_shape(w, bond.pair, asked * grain_mass / density, inner));
     } catch (const VolumeError& e) {
-      const double to_content = wish_.density / grain_mass;
+      const double to_content = density / grain_mass;
       const bool per_cent = 0.01 * asked >= e.least * to_content && 0.01 * asked <= e.most * to_content;
       throw ShapeError(text_of("'content ", asked, "' must lie between ", e.least * to_content, " and ", e.most * to_content,
-                               " here: it is the mass of the cement, of density ", wish_.density, ", over that of its two grains",
+                               " here: it is the mass of the cement, of density ", density, ", over that of its two grains",
                                per_cent ? text_of(" (", asked, " % is 'content ", 0.01 * asked, "')") : "", "; ", e.what()));
     }
   }

@@ -48,6 +48,16 @@ struct CementRequest {
   // points of such shapes. A point belongs to the first shape that contains it. materials: how many the scene has.
   int material = 0, materials = 1;
   std::vector<int> material_of_shape;
+  std::vector<double> own_densities;  // of the materials from number 1 on, 0: `density`
+  double own_density(int material_number) const {
+    const std::size_t n = static_cast<std::size_t>(material_number) - 1;
+    return n < own_densities.size() ? own_densities[n] : 0.0;
+  }
+  double density_of(int material_number) const {
+    const double own = own_density(material_number);
+    return own > 0.0 ? own : density;
+  }
+  double density_of_shape(const ShapeWords& shape) const { return density_of(material_of(static_cast<int>(&shape - shapes.data()))); }
   int material_of(int shape) const {
     const std::size_t n = static_cast<std::size_t>(shape);
     return n < material_of_shape.size() && material_of_shape[n] >= 0 ? material_of_shape[n] : material;

@@ -148,10 +148,16 @@ std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() const {
 }
 
 void Cement::set_density(double density) {
-  if (scene_.rows_started > 0 && std::fabs(density - scene_.density()) > 1e-12 * density)
+  constexpr double kRounding = 1e-12;
+  const std::vector<BondRecord>& table = scene_.bonds().table;
+  const bool in_use = scene_.options.split || std::any_of(table.begin(), table.begin() + scene_.rows_started, [](const BondRecord& b) {
+                        return b.volume - b.own_volume > kRounding * b.volume;
+                      });
+  if (scene_.rows_started > 0 && in_use && std::fabs(density - scene_.density()) > kRounding * density)
     throw BadState(text_of("the density of the points is ", density, ", and was ", scene_.density(),
                            " in the steps before; change it before the first run"));
   scene_.scaled_density = scene_.options.mass_scale * density;
+  discontinuities_.splits->set_density(scene_.inertia());
 }
 
 void Cement::read_commanded_velocities() {

@@ -50,7 +50,7 @@ class Cement {
   // Settings of the script.
   const CementOptions& options() const { return scene_.options; }
   const Law& law() const { return *scene_.law; }
-  // Sets the density of the calcite. Throws BadState if earlier steps had another one.
+  // Sets the density of cement without a density of its own. Throws BadState if such cement had another one in earlier steps.
   void set_density(double density);
   void set_most_bytes(double bytes) { scene_.options.most_bytes = bytes; }
   double density() const { return scene_.density(); }

@@ -239,7 +239,7 @@ Report::EnergyShares Report::energy_shares() const {
   global_sum(sum, scene_.comm);
   const double put_in = sum[kSumWork] + scene_.energy.start_energy();
   return {kinetic_share_of(sum[kCement], sum[kSumGrains], put_in),
-          sum[kSumDissipated] > 0.0 ? sum[kSumDissipated] / std::max(put_in, sum[kSumDissipated]) : 0.0};
+          sum[kSumDissipated] > 0.0 ? sum[kSumDissipated] / std::max(put_in, sum[kSumDissipated]) : 0.0, put_in};
 }
 
 double Report::unbalanced_force(const std::vector<BondState>& loads, const Magnitudes& of_contacts) const {
@@ -258,7 +258,7 @@ double Report::unbalanced_force(const std::vector<BondState>& loads, const Magni
       if (at == cement_load.end()) continue;
       for (int d = 0; d < 3; ++d) {
         const double on_grain = b.separated == 0.0 ? 0.5 * (b.force[0][d] + b.force[1][d]) : b.force[s][d] - b.contact[s][d];
-        at->second[d] += 0.5 * scene_.density() * table[i].volume * scene_.now.gravity[d] - on_grain;
+        at->second[d] += 0.5 * table[i].mass(scene_.true_density()) * scene_.now.gravity[d] - on_grain;
       }
     }
   }
@@ -405,11 +405,13 @@ std::vector<double> Report::added_mass_of_ends() const {
 }
 
 double Report::cement_mass() const {
+  const CementDensity density = scene_.inertia();
   double sum = 0.0;
   for (const Bond& bond : scene_.bonds())
     for (const PointStore* store : bond.stores())
-      for (const PointBlock& b : store->blocks) sum += scene_.scaled_density * sum_lanes(b.volume);
-  for (int row : condensed_.rows_without_points(scene_.bonds())) sum += scene_.scaled_density * scene_.bonds().table[row].volume;
+      for (std::size_t b = 0; b < store->blocks.size(); ++b)
+        sum += density.of(store->meta[b].material) * sum_lanes(store->blocks[b].volume);
+  for (int row : condensed_.rows_without_points(scene_.bonds())) sum += scene_.bonds().table[row].mass(density);
   return sum;
 }
 

@@ -31,9 +31,9 @@ class Report {
   // Shares of the energy put in and not taken out again, 1 at most; 0 if there is none. kinetic: kinetic energy of cement
   // and free grains. That of the grains is multiplied by the mass scale S: cement with S times its inertia lags a motion
   // of a grain as unscaled cement lags a motion sqrt(S) times as fast. dissipated: energy dissipated by damage, over the
-  // energy put into the cement.
+  // energy put into the cement, which is put_in.
   struct EnergyShares {
-    double kinetic = 0.0, dissipated = 0.0;
+    double kinetic = 0.0, dissipated = 0.0, put_in = 0.0;
   };
   // Collective. Sums over nodes only, so it is cheap enough for checks.
   EnergyShares energy_shares() const;

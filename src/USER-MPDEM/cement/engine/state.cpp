@@ -188,6 +188,7 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
   scene_.dt_last = head.step;
   scene_.rows_started = head.rows_started;
   scene_.scaled_density = scene_.options.mass_scale * head.density;
+  discontinuities_.splits->set_density(scene_.inertia());
   stable_step_.restore(head.eigenvalue);
   restored_ = true;
   const int me = rank_in(scene_.comm);

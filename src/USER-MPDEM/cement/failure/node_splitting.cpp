@@ -49,7 +49,9 @@ struct SentContinuation {
   PhantomNodes::Continuation continuation;
 };
 
-SentPoint sent_point(const PointStore& points, int row, const BondRecord& record, const CementOptions& options, int b, int l) {
+// The volume is that of cement of the density of the scene with the same mass.
+SentPoint sent_point(const PointStore& points, int row, const BondRecord& record, const CementOptions& options,
+                     const CementDensity& density, int b, int l) {
   SentPoint s{row, {}};
   SplitterPoint& p = s.point;
   const GapPoint position = gap_point(points, record, b, l);
@@ -60,7 +62,7 @@ SentPoint sent_point(const PointStore& points, int row, const BondRecord& record
     p.base[d] = support_base(points.blocks[b].X[d][l], 1.0 / options.cell, cell_shift(options.basis));
     p.at[d] = points.blocks[b].X[d][l] / options.cell - p.base[d];
   }
-  p.volume = points.blocks[b].volume[l];
+  p.volume = density.of(points.meta[b].material) / density.of_scene * points.blocks[b].volume[l];
   p.layer = points.meta[b].layer;
   p.failed = points.meta[b].split_checked >> l & 1;
   p.nearer = position.nearer_grain;
@@ -93,13 +95,13 @@ void for_each_point(const PointStore& points, F f) {
 
 // Collective. Sends the points of the wanted bonds to the ranks that examine these bonds.
 std::vector<std::vector<SplitterPoint>> collect(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
-                                                const std::vector<char>& wanted) {
+                                                const CementDensity& density, const std::vector<char>& wanted) {
   const int ranks = ranks_of(comm);
   std::vector<std::vector<SentPoint>> out(ranks);
   for (const Bond& bond : bonds)
     if (wanted[bond.row])
       for_each_point(bond.points, [&](int b, int l) {
-        out[bond.row % ranks].push_back(sent_point(bond.points, bond.row, bonds.record(bond), options, b, l));
+        out[bond.row % ranks].push_back(sent_point(bond.points, bond.row, bonds.record(bond), options, density, b, l));
       });
   std::vector<std::vector<SplitterPoint>> whole(wanted.size());
   for (const SentPoint& s : all_to_all(comm, out).data) whole[s.row].push_back(s.point);
@@ -219,7 +221,7 @@ NewLayersOfBonds NodeSplitting::start(MPI_Comm comm, Bonds& bonds, const CementO
     for (const auto& c : unbonded_gaps) wanted[c.first] = 1;
     MPI_Allreduce(MPI_IN_PLACE, wanted.data(), to, MPI_SIGNED_CHAR, MPI_MAX, comm);
   }
-  std::vector<std::vector<SplitterPoint>> whole = collect(comm, bonds, options, wanted);
+  std::vector<std::vector<SplitterPoint>> whole = collect(comm, bonds, options, density_, wanted);
   std::vector<int> rows;
   std::vector<NodeChange> changes;
   for (int r = 0; r < to; ++r) {
@@ -262,7 +264,7 @@ void NodeSplitting::find_lattices(MPI_Comm comm, const Bonds& bonds, const Cemen
   std::vector<char> to_come(wanted.size(), 0);
   for (std::size_t r = 0; r < wanted.size(); ++r) to_come[r] = wanted[r] == kToCollect;
   if (std::find(to_come.begin(), to_come.end(), 1) == to_come.end()) return;
-  std::vector<std::vector<SplitterPoint>> whole = collect(comm, bonds, options, to_come);
+  std::vector<std::vector<SplitterPoint>> whole = collect(comm, bonds, options, density_, to_come);
   const int ranks = ranks_of(comm);
   for (int r = rank_in(comm); r < static_cast<int>(wanted.size()); r += ranks)
     if (to_come[r])

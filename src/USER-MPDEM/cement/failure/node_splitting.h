@@ -47,6 +47,8 @@ class NodeSplitting {
   // Collective. Splits nodes at the start, in bonds that are new: those from row `first_new()` of the table on, and
   // `with_new_points`, which had no points before. Points that failed in a file are left to find_splits().
   virtual NewLayersOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& with_new_points = {});
+  // Density of the inertia of the cement, on which the volumes of copies depend (PhantomNodes::Entry).
+  void set_density(const CementDensity& density) { density_ = density; }
   int first_new() const { return static_cast<int>(known_.size()); }
   // Collective. Splits nodes at points that failed since the last call, in resolved bonds, or else in bonds from row
   // `from` on.
@@ -142,6 +144,7 @@ class NodeSplitting {
   void find_dependents(Row& row) const;
   NewLayersOfBonds apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const std::vector<NodeChange>& changes);
 
+  CementDensity density_ = 1.0;
   std::unordered_map<int, Row> rows_;          // of bonds of which something is stored
   std::vector<Known> known_;                   // of all bonds
   std::map<Key, PhantomNodes::Row> restored_;  // rows of a restart file until start(), by the node of layer 0

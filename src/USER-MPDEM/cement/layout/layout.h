@@ -33,7 +33,7 @@ struct LayoutRules {
   const std::vector<BondRecord>& table;
   const CementOptions& options;
   const std::shared_ptr<const Law>& law;       // law of all points, also of those from other ranks
-  double density = 0;                          // with the mass scale
+  CementDensity density = 0.0;                 // of the inertia
   const PenaltyParameters* penalty = nullptr;  // null: no links
   NodeSplitting& splits;
   const Formulation& formulation;

@@ -60,7 +60,7 @@ void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
         for (int d = 0; d < 3; ++d) {
           vd v;
           for (int l = 0; l < kLanes; ++l) v[l] = n.velocity[3 * (kLanes * b + l) + d];
-          rest[d] = scene.scaled_density * p.volume *
+          rest[d] = scene.inertia().of(points.meta[b].material) * p.volume *
                     (v - (A(0, d) + (A(1, d) * p.X[0] + A(2, d) * p.X[1] + A(3, d) * p.X[2]) / scene.options.cell));
         }
         with_weights<decltype(type)>(p, points.meta[b], 1.0 / scene.options.cell, [&](const auto& w) {

@@ -36,7 +36,7 @@ void Condensing::choose() {
 }
 
 void Condensing::bind() {
-  scene_.grains.bind(scene_.comm, scene_.bonds(), scene_.scaled_density);
+  scene_.grains.bind(scene_.comm, scene_.bonds(), scene_.inertia());
   scene_.grains.distribute(scene_.bonds());  // code that runs before the next step must not find grains at rest
   scene_.laid_out = true;
   if (scene_.dt_last == 0.0) scene_.dt_last = scene_.now.dt;
@@ -169,7 +169,7 @@ void Condensing::activate() {
   scene_.bonds().resolved_changed();
   condensed_.drop(scene_.comm, rows, scene_.bonds(), scene_.grains);
   condensed_.resume(scene_.grains, weight.data());
-  scene_.grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.scaled_density, ends);
+  scene_.grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.inertia(), ends);
   shared_.bind();
   for (int row : rows) {
     Bond* b = scene_.bonds().find(row);
@@ -297,7 +297,7 @@ void Condensing::condense_again() {
   BondEnds ends = grains.ends;  // copy with the order of `lost_momentum`; rebind_ends() drops the ends of condensed bonds
   scene_.bonds().resolved_changed();
   layout_manager_.lay_out(rows, {}, {});
-  grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.scaled_density, {});
+  grains.rebind_ends(scene_.comm, scene_.bonds(), scene_.inertia(), {});
   added_.refresh(rows);
   condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.scaled_density);
   for (const OfRow& o : here)

@@ -29,6 +29,13 @@ int ends_in(const BondRecord& record, const std::vector<int>& grains) {
   return bits;
 }
 
+// Adds the cement of a point.
+void add_point(const Scene& scene, const Bond& b, int slot, CementVolume& cement) {
+  const int in_store = Bond::slot_in_store(slot), block = in_store / kLanes;
+  const PointStore& store = b.store_of(slot);
+  cement.add(store.blocks[block].volume[in_store % kLanes], scene.inertia().own(store.meta[block].material));
+}
+
 // Drops the links or contact points of a grain.
 template <class List>
 void drop_of_grain(List& list, int grain) {
@@ -149,40 +156,51 @@ void Departures::count_dropped(const LooseCement::Due& dropped, Leaving& leaving
     const Bond& b = *scene_.bonds().find(row);
     for (int slot : slots) {
       if (!whole && !has(of_row->second, slot)) continue;
-      const int in_store = Bond::slot_in_store(slot);
       leaving.dropped_points += 1.0;
-      leaving.dropped_volume += b.store_of(slot).blocks[in_store / kLanes].volume[in_store % kLanes];
+      add_point(scene_, b, slot, leaving.dropped);
     }
   }
   for (int row : dropped.bonds) {
     const BondRecord& record = scene_.bonds().table[row];
     if (record.point_template == 0 || rank_in(scene_.comm) != 0) continue;
     leaving.dropped_points += record.points;
-    leaving.dropped_volume += record.volume;
+    leaving.dropped.volume += record.volume;
+    leaving.dropped.own_volume += record.own_volume;
+    leaving.dropped.own_mass += record.own_mass;
   }
 }
 
 std::vector<Departures::Share> Departures::shares(const Leaving& leaving) const {
-  std::vector<double> sum(2 * leaving.rows.size(), 0.0);
+  enum { kPoints, kVolume, kOwnVolume, kOwnMass, kNumbers };
+  std::vector<double> sum(kNumbers * leaving.rows.size(), 0.0);
   for (std::size_t n = 0; n < leaving.rows.size(); ++n) {
     const BondRecord& record = scene_.bonds().table[leaving.rows[n]];
     const auto slots = leaving.slots.find(leaving.rows[n]);
+    double* of_row = &sum[kNumbers * n];
     if (record.point_template > 0 && rank_in(scene_.comm) == 0) {
-      sum[2 * n] = record.points;
-      sum[2 * n + 1] = record.volume;
+      of_row[kPoints] = record.points;
+      of_row[kVolume] = record.volume;
+      of_row[kOwnVolume] = record.own_volume;
+      of_row[kOwnMass] = record.own_mass;
     } else if (slots != leaving.slots.end()) {
       const Bond& b = *scene_.bonds().find(slots->first);
-      for (int slot : slots->second) {
-        const int in_store = Bond::slot_in_store(slot);
-        sum[2 * n + 1] += b.store_of(slot).blocks[in_store / kLanes].volume[in_store % kLanes];
-      }
-      sum[2 * n] = static_cast<double>(slots->second.size());
+      CementVolume cement;
+      for (int slot : slots->second) add_point(scene_, b, slot, cement);
+      of_row[kPoints] = static_cast<double>(slots->second.size());
+      of_row[kVolume] = cement.volume;
+      of_row[kOwnVolume] = cement.own_volume;
+      of_row[kOwnMass] = cement.own_mass;
     }
   }
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), static_cast<int>(sum.size()), MPI_DOUBLE, MPI_SUM, scene_.comm);
   std::vector<Share> all(leaving.rows.size());
-  for (std::size_t n = 0; n < all.size(); ++n)
-    all[n] = {leaving.rows[n], sum[2 * n], sum[2 * n + 1], sum[2 * n] == scene_.bonds().table[leaving.rows[n]].points};
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const double* of_row = &sum[kNumbers * n];
+    all[n] = {leaving.rows[n],
+              of_row[kPoints],
+              {of_row[kVolume], of_row[kOwnVolume], of_row[kOwnMass]},
+              of_row[kPoints] == scene_.bonds().table[leaving.rows[n]].points};
+  }
   return all;
 }
 
@@ -267,7 +285,10 @@ std::vector<int> Departures::take_out(const std::vector<Share>& of_rows, const L
     }
     for (int s = 0; s < 2; ++s) record.left[s] = record.left[s] || (gone >> s & 1) != 0;
     record.points -= static_cast<int>(share.points);
-    record.volume = share.all ? 0.0 : std::max(0.0, record.volume - share.volume);
+    const auto rest = [&](double whole, double leaves) { return share.all ? 0.0 : std::max(0.0, whole - leaves); };
+    record.volume = rest(record.volume, share.cement.volume);
+    record.own_volume = std::min(record.volume, rest(record.own_volume, share.cement.own_volume));
+    record.own_mass = rest(record.own_mass, share.cement.own_mass);
     if (!share.all) continue;
     record.condensed = record.wants_points = false;
     record.point_template = record.home = 0;
@@ -293,7 +314,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
     if (share.all) emptied.push_back(share.row);
     if (rank_in(scene_.comm) != 0) continue;
     left.points += share.points;
-    left.mass += scene_.density() * share.volume;
+    left.mass += share.cement.mass(scene_.true_density());
   }
   for (const Pieces& p : pieces) {
     add_pieces(p, 1.0, left, ahead);
@@ -310,7 +331,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   condensing_.condense(leaving.rows, false);
   for (const Pieces& p : pieces) add_pieces(p, -1.0, left, ahead);
   left.dropped = leaving.dropped_points;
-  left.dropped_mass = scene_.density() * leaving.dropped_volume;
+  left.dropped_mass = leaving.dropped.mass(scene_.true_density());
   for (int row : emptied) discontinuities_.cracks.forget_cement(row);
   scene_.energy.leave(left);
   loose_cement_.forget(leaving.rows);

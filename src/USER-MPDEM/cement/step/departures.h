@@ -38,10 +38,11 @@ struct Departing {
 
 // What may leave of it, and what must not.
 struct Leaving {
-  std::vector<int> grains;                            // those of Departing
-  std::vector<int> rows;                              // rows from which something leaves, ascending, the same on all ranks
-  std::map<int, std::vector<int>> slots;              // points that leave, of this rank
-  double dropped_points = 0.0, dropped_volume = 0.0;  // of these points that are dropped, of this rank
+  std::vector<int> grains;                // those of Departing
+  std::vector<int> rows;                  // rows from which something leaves, ascending, the same on all ranks
+  std::map<int, std::vector<int>> slots;  // points that leave, of this rank
+  double dropped_points = 0.0;            // of these points that are dropped, of this rank
+  CementVolume dropped;
   int joined_grain = 0;  // a grain that must not leave, since its cement is connected to one that stays; 0: none; the same on all ranks
   std::vector<int> attached_outside, attached_deleted;  // IDs of points of this rank that must not leave for the same reason
   std::vector<int> rows_attached_outside;               // rows of attached_outside
@@ -76,7 +77,8 @@ class Departures {
   // What leaves a row, on all ranks. all: nothing of it stays.
   struct Share {
     int row;
-    double points, volume;
+    double points;
+    CementVolume cement;
     bool all;
   };
   // The pieces of a condensed bond, or the bond as a whole, with its ends before anything leaves.

@@ -66,7 +66,7 @@ std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Discontinuit
   }
   // Points of a copy do not move, so its grid needs no margin.
   const std::unique_ptr<const Formulation> at_rest = formulation_of(CementOptions());
-  const LayoutRules rules{scene.comm, copies.table, scene.options, scene.law, scene.scaled_density, penalty, *splits, *at_rest};
+  const LayoutRules rules{scene.comm, copies.table, scene.options, scene.law, scene.inertia(), penalty, *splits, *at_rest};
   std::vector<BondLayout> layouts = make_layout(rules, scene.all_rows(), std::move(requests));
   for (BondLayout& l : layouts) {
     l.film = scene.bonds().find(l.row)->film;
@@ -96,7 +96,7 @@ void LayoutManager::lay_out(const std::vector<int>& rows, NewLayersOfBonds layer
   for (int row : rows)
     if (Bond* b = scene_.bonds().find(row)) requests.push_back(request_of(*b, layers));
   const PenaltyParameters* penalty = scene_.penalty ? &*scene_.penalty : nullptr;
-  const LayoutRules rules{scene_.comm, scene_.bonds().table,     scene_.options,      scene_.law, scene_.scaled_density,
+  const LayoutRules rules{scene_.comm, scene_.bonds().table,     scene_.options,      scene_.law, scene_.inertia(),
                           penalty,     *discontinuities_.splits, *scene_.formulation, how.arrange};
   std::vector<BondLayout> layouts = make_layout(rules, rows, std::move(requests));
   restored_.clear();

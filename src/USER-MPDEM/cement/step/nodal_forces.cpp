@@ -150,7 +150,7 @@ void NodalForces::add_inertial_forces() {
     grid.update_acceleration(b.added.of_nodes());
     grid.force.swap(grid.inertial_force);
     scene_.timer.start(StepTimer::kPoints);
-    b.mechanism<ConsistentMass>()->find_inertial_force(b.points, grid, scene_.scaled_density);
+    b.mechanism<ConsistentMass>()->find_inertial_force(b.points, grid, scene_.inertia());
     scene_.timer.start(StepTimer::kNodes);
   }
   scene_.timer.start(StepTimer::kHalo);
@@ -163,7 +163,7 @@ void NodalForces::add_inertial_forces() {
 void NodalForces::share_impulses() {
   scene_.timer.start(StepTimer::kCoupling);
   for (Bond& b : scene_.bonds().resolved())
-    if (SharedImpulse* shared = b.mechanism<SharedImpulse>()) shared->find_intact_mass(b.points, b.grid, scene_.scaled_density);
+    if (SharedImpulse* shared = b.mechanism<SharedImpulse>()) shared->find_intact_mass(b.points, b.grid, scene_.inertia());
   if (scene_.penalty) shared_.sum([](Bond& b) { return b.mechanism<SharedImpulse>()->intact_mass().data(); }, 1);
   scene_.grains.share_impulses(scene_.comm, scene_.bonds(), scene_.now.substeps, condensed_.pack());
   scene_.timer.start(StepTimer::kNodes);

@@ -36,7 +36,7 @@ class Reprojected : public Total {
     scene_.energy.damp_by(
         [&] { return work_.kinetic_energy(b, half) + (b.row < scene_.rows_started ? b.added.energy_ahead(b.grid, ends, kick) : 0.0); },
         [&] {
-          reproject_velocity(b.points, b.grid, b.added.of_nodes(), scene_.scaled_density, scene_.options.transfer, kick, b.transfer_change);
+          reproject_velocity(b.points, b.grid, b.added.of_nodes(), scene_.inertia(), scene_.options.transfer, kick, b.transfer_change);
         });
     // Take back half a kick, so that the energy of added mass, too, is that at the full step. Its reaction does work on the grains.
     scene_.energy.damp(half * b.added.power(b.grid, ends, b.transfer_change) - b.added.work_of_reaction(b.grid, ends, b.transfer_change));
@@ -95,7 +95,7 @@ class RenewedReference : public Total {
       layout_manager_.lay_out_again(scene_.all_rows(), {}, {});
       added_.follow(scene_.all_rows(), "the present was taken for the reference");
       for (Bond& b : scene_.bonds()) {
-        UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.scaled_density, scene_.options.transfer);
+        UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.inertia(), scene_.options.transfer);
         b.grid.halo.sum(b.grid.mass.own().data(), 1);
         b.grid.halo.sum(b.grid.momentum.data(), 3);
         velocities_from_momentum(b.grid);

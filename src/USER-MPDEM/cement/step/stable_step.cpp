@@ -22,7 +22,7 @@ double StableStep::largest_mass_ratio() const {
   for (const Grain& g : scene_.grains.grains) cement.emplace(g.tag, 0.0);
   for (const BondRecord& b : scene_.bonds().table)
     for (int s = 0; s < 2; ++s)
-      if (const auto at = cement.find(b.grain[s]); b.has_grain(s) && at != cement.end()) at->second += scene_.scaled_density * b.volume;
+      if (const auto at = cement.find(b.grain[s]); b.has_grain(s) && at != cement.end()) at->second += b.mass(scene_.inertia());
   double mine = 0.0, most;
   for (const Grain& g : scene_.grains.grains) mine = std::max(mine, BondedGrains::mass_ratio(g, cement[g.tag]));
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);

@@ -158,7 +158,7 @@ std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers
     for (std::size_t n = 0; n < volumes.size(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
   }
   const bool freed = b.grid.replace_constraints(nodes, discontinuities_.splits->constraints(keys));
-  b.grid.lump_mass(b.points, scene_.scaled_density);
+  b.grid.lump_mass(b.points, scene_.inertia());
   if (freed) {
     restore_rigid_motion(b.grid, before, sums_of_motion(b.grid, kick));
     scene_.energy.release(before.kinetic - sums_of_motion(b.grid, kick).kinetic);

@@ -72,7 +72,7 @@ class Updated : public Kinematics {
   }
 
   void find_internal_force() override {
-    for (Bond& b : scene_.bonds()) UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.scaled_density, scene_.options.transfer);
+    for (Bond& b : scene_.bonds()) UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.inertia(), scene_.options.transfer);
     shared_.sum([](Bond& b) { return b.grid.mass.own().data(); }, 1);
   }
 
@@ -117,7 +117,7 @@ class Updated : public Kinematics {
     scene_.timer.start(StepTimer::kCoupling);
     b.links.find_moves(b.grid, dt);
     scene_.timer.start(StepTimer::kPoints);
-    b.updated.advance(b.points, b.grid, *scene_.law, scene_.scaled_density, dt, kick, o.transfer, o.advance, forces_.pass_result());
+    b.updated.advance(b.points, b.grid, *scene_.law, scene_.inertia(), dt, kick, o.transfer, o.advance, forces_.pass_result());
     forces_.take_failed(b);
   }
 
@@ -125,7 +125,7 @@ class Updated : public Kinematics {
     std::vector<double>& v = b.grid.velocity;
     const std::vector<double> kicked(v);
     for (std::size_t i = 0; i < v.size(); ++i) v[i] -= kick * b.grid.acceleration[i];
-    filter_velocity(b.points, b.grid, b.added.of_nodes(), scene_.scaled_density, scene_.options.transfer.order);
+    filter_velocity(b.points, b.grid, b.added.of_nodes(), scene_.inertia(), scene_.options.transfer.order);
     for (std::size_t i = 0; i < v.size(); ++i) {
       v[i] += kick * b.grid.acceleration[i];
       b.transfer_change[i] = v[i] - kicked[i];

@@ -12,6 +12,7 @@
 #include "../../parallel/all_to_all.h"
 #include "../../version.h"
 #include "../words/arguments.h"
+#include "../words/material_words.h"
 #include "atom.h"
 #include "comm.h"
 #include "fix.h"
@@ -514,6 +515,7 @@ void AtomVecMpdem::share_bonds() {
   materials.resize(static_cast<std::size_t>(bytes));
   MPI_Bcast(&materials[0], bytes, MPI_CHAR, 0, world);
   unpack_materials(materials);
+  for (mpdem::Bonds::NamedMaterial& m : bonds.materials) m.density = mpdem::read_material(lmp, m).density;
   coats.share(world);
 }
 

@@ -85,7 +85,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // the number of bytes of the names and words of the materials, these bytes, the magic bytes again, and the coats of the
   // grains (grain_coats.h).
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 29, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: index in the head
+  static constexpr int kRestartVersion = 30, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: index in the head
   static inline bool restart_is_sealed = false;  // set by host/restart_seal.cpp: the file that is written will get a seal
 
   // Rows of nodes, kNumbersOfRow values each, that the next restart file stores with the points of a bond on this rank.

@@ -204,8 +204,9 @@ class CoatedWall : public IGranularWall {
   // deltan is the overlap with the wall. Where it is only that of the coat, the model ends the contact.
   void compute_force(FixWallGran* wall, SurfacesIntersectData& contact, bool touches, double* velocity, FixMeshSurface* fix, int mesh_index,
                      TriMesh* mesh, int triangle) override {
-    const GrainCoats* const coats = coats_of(lmp_);
+    GrainCoats* const coats = coats_of(lmp_);
     const Coat* const coat = coats ? coats->find(lmp_->atom->tag[contact.i]) : nullptr;
+    if (coat && coat->at_walls && touches) coats->note_at_wall(*coat, contact.deltan);
     if (coat && !coat->at_walls) {
       const double distance = contact.radi - contact.deltan;
       contact.radi = coat->radius;
@@ -243,6 +244,20 @@ std::string touch_coats(LAMMPS* lmp) {
     if (model && !dynamic_cast<CoatedWall*>(model)) model = new CoatedWall(lmp, model);
   }
   return "";
+}
+
+void warn_of_coats_at_walls(LAMMPS* lmp, const std::string& who) {
+  GrainCoats* const coats = coats_of(lmp);
+  if (!coats || !coats->are_new()) return;
+  bool walls = false;
+  for (int n = 0; n < lmp->modify->nfix; ++n) walls = walls || dynamic_cast<FixWallGran*>(lmp->modify->fix[n]);
+  if (!walls) return;
+  const GrainCoats::AtWalls found = coats->take_at_walls(lmp->world);
+  if (found.grains == 0) return;
+  warn(lmp,
+       text_of(who, found.grains, " coated grains press walls before the first step, the deepest by ", found.deepest,
+               " of the thickness of its coat: walls at the place of the bare grains load the coats; use 'walls bare' of create_cement, or "
+               "walls that stand off by the thickness"));
 }
 
 }  // namespace mpdem

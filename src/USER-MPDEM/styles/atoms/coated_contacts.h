@@ -16,6 +16,9 @@ namespace mpdem {
 // Wraps the contact models of the script, once each. Returns why that is not possible, or an empty text.
 std::string touch_coats(LAMMPS_NS::LAMMPS* lmp);
 
+// Collective. Call it when the forces of a run were found for the first time. Warns of new coats that walls touch at once.
+void warn_of_coats_at_walls(LAMMPS_NS::LAMMPS* lmp, const std::string& who);
+
 }  // namespace mpdem
 
 #endif

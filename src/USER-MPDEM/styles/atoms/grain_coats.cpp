@@ -26,6 +26,7 @@ void GrainCoats::add(const std::vector<Coat>& coats) {
   std::sort(coats_.begin(), coats_.end(), [](const Coat& a, const Coat& b) { return a.grain < b.grain; });
   row_.clear();
   for (std::size_t n = 0; n < coats_.size(); ++n) row_.emplace(coats_[n].grain, static_cast<int>(n));
+  new_ = true;
 }
 
 void GrainCoats::touch_bare(const Pairs& pairs) {
@@ -48,6 +49,7 @@ void GrainCoats::read(RecordReader& in) {
   std::vector<Coat> coats;
   for (int n = 0; n < counts.coats && in.trouble().empty(); ++n) in.read(coats.emplace_back());
   add(coats);
+  new_ = false;
   if (row_.size() != coats_.size()) in.tell("a grain has two coats");
   Pairs pairs;
   for (int n = 0; n < counts.pairs && in.trouble().empty(); ++n) {
@@ -56,6 +58,25 @@ void GrainCoats::read(RecordReader& in) {
     pairs.emplace_back(p.grain[0], p.grain[1]);
   }
   touch_bare(pairs);
+}
+
+// An overlap of less is that of grains that rest at a wall.
+void GrainCoats::note_at_wall(const Coat& coat, double overlap) {
+  constexpr double kAtRest = 0.01;
+  const double share = overlap / coat.thickness;
+  if (!new_ || share < kAtRest) return;
+  at_walls_.insert(coat.grain);
+  deepest_ = std::max(deepest_, share);
+}
+
+GrainCoats::AtWalls GrainCoats::take_at_walls(MPI_Comm comm) {
+  AtWalls all{static_cast<int>(at_walls_.size()), deepest_};
+  MPI_Allreduce(MPI_IN_PLACE, &all.grains, 1, MPI_INT, MPI_SUM, comm);
+  MPI_Allreduce(MPI_IN_PLACE, &all.deepest, 1, MPI_DOUBLE, MPI_MAX, comm);
+  new_ = false;
+  at_walls_.clear();
+  deepest_ = 0.0;
+  return all;
 }
 
 // The number of numbers, the numbers, and their number again.

@@ -61,6 +61,16 @@ class GrainCoats {
     return c ? c->inertia() : 0.4 * mass * radius * radius;
   }
 
+  // Grains whose coat overlaps walls before the first step with these coats and with walls.
+  void note_at_wall(const Coat& coat, double overlap);
+  struct AtWalls {
+    int grains = 0;
+    double deepest = 0.0;  // largest overlap over the thickness of the coat
+  };
+  bool are_new() const { return new_; }  // were coats added since take_at_walls()? The same on all ranks
+  // Collective. Returns these grains and forgets them.
+  AtWalls take_at_walls(MPI_Comm comm);
+
   void write(std::FILE* fp) const;
   // Replaces the table by that of a file. most: numbers that the file has at most. Returns what is wrong, or an empty text.
   std::string read_file(std::FILE* fp, long long most);
@@ -93,6 +103,9 @@ class GrainCoats {
   std::unordered_set<std::uint64_t> bare_;  // keys of these pairs
   std::vector<CoatedAtom> atoms_;           // local ones first
   std::vector<double> torques_;             // while they are scaled
+  bool new_ = false;                        // coats were added since take_at_walls()
+  std::unordered_set<int> at_walls_;        // IDs
+  double deepest_ = 0.0;
 };
 
 // LIGGGHTS' radii of coated grains are the bare ones while it exists.

@@ -123,8 +123,9 @@ int PointAtoms::add(const PointRecord& r, const TemplateHead& head, int tag, dou
   atom->image[i] = (boxes(2) << IMG2BITS) | (boxes(1) << IMGBITS) | boxes(0);
   atom->mask[i] = head.mask;
   atom->radius[i] = std::cbrt(0.75 * r.volume / M_PI);
-  atom->density[i] = head.density;
-  atom->rmass[i] = head.density * r.volume;
+  const double own = avec_->bonds.own_density(r.material);
+  atom->density[i] = own > 0.0 ? own : head.density;
+  atom->rmass[i] = atom->density[i] * r.volume;
   avec_->add_point(i, r, tag);
   return i;
 }

@@ -64,7 +64,7 @@ void CalcitePatterns::sum_up(const CementPlan& plan, const std::vector<GrainTags
     const GrainTags tags(b.grain[0].tag, b.grain[1].tag);
     if (std::find(skipped.begin(), skipped.end(), tags) != skipped.end()) continue;
     const ContentWish::Pattern p = contents_->pattern_of(pairs_.at(tags));
-    mass_[p] += records.at(tags)->volume * plan.wish().density;
+    mass_[p] += records.at(tags)->mass(plan.wish().density);
     ++bonds_[p];
   }
 }
@@ -98,7 +98,7 @@ void CalcitePatterns::finish(const CementPlan& plan, const std::vector<GrainTags
   if (wish.calcite == 0.0) return;
   sum_up(plan, skipped);
   if (wish.pattern[ContentWish::coating] > 0.0) {
-    add_coats(wish, plan.wish().density);
+    add_coats(wish, plan.wish().density_of(plan.wish().material));
     AtomVecMpdem::of(lmp_)->coats.touch_bare(made);
   }
   mass_[ContentWish::filling] = wish.calcite * wish.pattern[ContentWish::filling] * grain_mass_;

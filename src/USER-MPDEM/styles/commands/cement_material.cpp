@@ -24,14 +24,14 @@ void CementMaterial::command(int narg, char** arg) {
   if (name == mpdem::kDefaultMaterial)
     args.complain(text_of("'", name, "' is the material of fix mpm, whose words are there; use another name"));
   const int first = args.place();
-  mpdem::read_material(args, name);
+  const double density = mpdem::read_material(args, name).density;
   const std::string words = args.place() == first ? std::string() : args.words_from(first);
   std::vector<mpdem::Bonds::NamedMaterial>& materials = avec->bonds.materials;
   const auto known = std::find_if(materials.begin(), materials.end(), [&](const auto& m) { return m.name == name; });
   if (known == materials.end()) {
     if (materials.size() + 1 == static_cast<std::size_t>(mpdem::kMostMaterials))
       args.complain(text_of("there are ", materials.size(), " materials already, the most that a scene may have"));
-    materials.push_back({name, words});
+    materials.push_back({name, words, density});
     return;
   }
   if (known->words != words) args.complain(text_of("this material exists with the words '", known->words, "'; use these, or another name"));

@@ -18,12 +18,14 @@ bool read_spread(Arguments& args, ContentWish& c) {
   const ContentWish::Spread before = c.spread;
   if (args.accept("lognormal")) {
     c.spread = ContentWish::lognormal;
-    c.first = args.positive("content lognormal");
-    c.second = args.between("content lognormal", 0.0, kMostVariation, "coefficient of variation");
+    const std::vector<double> v = args.numbers(
+        "content lognormal", {{"M", "mean content", 0.0, 0.0, true}, {"V", "coefficient of variation", 0.0, kMostVariation}}, "0.01 0.5");
+    c.first = v[0], c.second = v[1];
   } else if (args.accept("uniform")) {
     c.spread = ContentWish::uniform;
-    c.first = args.positive("content uniform");
-    c.second = args.positive("content uniform");
+    const std::vector<double> v = args.numbers(
+        "content uniform", {{"LOW", "least content", 0.0, 0.0, true}, {"HIGH", "largest content", 0.0, 0.0, true}}, "0.005 0.02");
+    c.first = v[0], c.second = v[1];
     if (!(c.first < c.second)) args.complain(text_of("'content uniform ", c.first, " ", c.second, "': the first must be below the second"));
   } else if (args.accept("file")) {
     c.spread = ContentWish::file;

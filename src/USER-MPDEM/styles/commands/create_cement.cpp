@@ -187,7 +187,9 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
       wish.film = args.choice(key, {"joined", "grid"}) == "joined";
       has_film = true;
     } else if (key == "grid") {
-      for (double& g : wish.grid) g = args.number(key);
+      const std::vector<double> v =
+          args.numbers(key, {{"X", "x of the origin of the grid from the middle of the gap"}, {"Y", "y"}, {"Z", "z"}}, "0 0 0");
+      std::copy(v.begin(), v.end(), wish.grid);
     } else if (key == "overlap") {
       const std::string how = args.choice(key, {"error", "skip", "trim"});
       wish.overlap = how == "skip" ? CementRequest::skip : how == "trim" ? CementRequest::trim : CementRequest::error;
@@ -209,7 +211,7 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
   wish.materials = 1 + static_cast<int>(AtomVecMpdem::of(lmp)->bonds.materials.size());
   check_words(args, wish, has_inner, has_film);
   mpdem::check_contents(args, wish, patterns_ != nullptr);
-  if (wish.density == 0.0) wish.density = mpdem::density_of_calcite(lmp, args);
+  take_densities(args, wish);
   density_ = wish.density;
   if (type_ == 0) type_ = atom->ntypes;
   if (type_ > atom->ntypes)
@@ -217,6 +219,22 @@ void CreateCement::read_words(Arguments& args, CementRequest& wish) {
   mpdem::HostView view{lmp, args.command() + ": ", AtomVecMpdem::of(lmp)};
   view.new_type = type_;
   mpdem::check_host(mpdem::kPoints, view);
+}
+
+// Density of the materials. One is needed for those without a density of their own.
+void CreateCement::take_densities(const Arguments& args, CementRequest& wish) const {
+  for (const mpdem::Bonds::NamedMaterial& m : AtomVecMpdem::of(lmp)->bonds.materials) wish.own_densities.push_back(m.density);
+  bool open = !wish.file.empty();  // a column may name any material
+  for (std::size_t n = 0; n < std::max<std::size_t>(wish.shapes.size(), 1); ++n)
+    open = open || wish.own_density(wish.material_of(static_cast<int>(n))) == 0.0;
+  if (open) {
+    if (wish.density == 0.0) wish.density = mpdem::density_of_calcite(lmp, args);
+    return;
+  }
+  if (wish.density > 0.0)
+    args.complain(text_of("'density ", wish.density, "' has no effect, since the materials have densities of their own, ",
+                          wish.own_density(wish.material_of(0)), "; leave the word out, or change 'density' of cement_material"));
+  wish.density = wish.own_density(wish.material_of(0));
 }
 
 void CreateCement::check_words(const Arguments& args, const CementRequest& wish, bool has_inner, bool has_film) const {
@@ -274,9 +292,7 @@ void CreateCement::plan(CementPlan& plan, const Pairs& pairs, const Arguments& a
 }
 
 void CreateCement::cement_pair(Arguments& args) {
-  int tags[2];
-  tags[0] = args.integer("pair", 1);
-  tags[1] = args.integer("pair", 1);
+  const std::array<int, 2> tags = args.pair();
   if (tags[0] == tags[1]) args.complain(text_of("'pair ", tags[0], " ", tags[1], "': two different grains are needed"));
   const GrainTags pair = std::minmax(tags[0], tags[1]);
   CementPlan bonds(world, box_);

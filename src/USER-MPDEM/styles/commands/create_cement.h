@@ -42,6 +42,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   int group_of_points(const std::string& name) const;
   void read_words(mpdem::Arguments& args, mpdem::CementRequest& wish);
   void read_word_of_shape(const std::string& key, mpdem::Arguments& args, mpdem::CementRequest& wish) const;
+  void take_densities(const mpdem::Arguments& args, mpdem::CementRequest& wish) const;
   void check_words(const mpdem::Arguments& args, const mpdem::CementRequest& wish, bool has_inner, bool has_film) const;
   void cement_pair(mpdem::Arguments& args);
   void cement_contacts(mpdem::Arguments& args);

@@ -73,7 +73,7 @@ void DeleteBond::command(int narg, char** arg) {
 
 std::vector<int> DeleteBond::rows_of_pair(Arguments& args) const {
   const std::vector<mpdem::BondRecord>& table = AtomVecMpdem::of(lmp)->bonds.table;
-  const int i = args.integer("pair", 1), j = args.integer("pair", 1);
+  const auto [i, j] = args.pair();
   const int first = std::min(i, j), second = std::max(i, j);
   const std::vector<int> rows =
       rows_where(table, [&](std::size_t row) { return table[row].grain[0] == first && table[row].grain[1] == second; });

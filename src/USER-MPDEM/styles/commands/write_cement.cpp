@@ -125,12 +125,12 @@ void WriteCement::command(int narg, char** arg) {
   if (!domain->box_exist) args.complain("the simulation box does not exist yet; use create_box or read_restart before");
   if (!avec) args.complain(text_of("atom style '", atom->atom_style, "' has no cement; use 'atom_style mpdem'"));
   const std::string name = args.word("a file name");
-  int wanted[2] = {0, 0};
+  std::array<int, 2> wanted = {0, 0};
   while (!args.empty()) {
     if (!args.accept("pair")) args.unknown(args.word(""), {"pair"});
     args.once("pair");
-    for (int& t : wanted) t = args.integer("pair", 1);
-    std::sort(wanted, wanted + 2);
+    wanted = args.pair();
+    std::sort(wanted.begin(), wanted.end());
   }
   std::vector<char> chosen;
   std::size_t made = 0;

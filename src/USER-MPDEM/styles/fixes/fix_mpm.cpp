@@ -241,6 +241,8 @@ void FixMpm::check_unprepared() {
 void FixMpm::take_density(const mpdem::HostView& view) {
   const mpdem::Densities density = mpdem::densities(view);
   if (density.low <= density.high) guarded([&] { cement_->set_density(density.low); });
+  else if (density.own > 0.0 && cement_->density() > 0.0) return;  // no cement has this density
+  else if (density.own > 0.0) guarded([&] { cement_->set_density(density.own); });
   else if (!avec_->coats.empty()) guarded([&] { cement_->set_density(avec_->coats.all()[0].density); });  // no cement but coats
 }
 
@@ -294,6 +296,7 @@ void FixMpm::pre_initial_integrate() {
   if (first && !prepared_) check_unprepared();
   if (first) prepared_ = false;
   if (first) report_->enter_steps();
+  if (first) mpdem::warn_of_coats_at_walls(lmp, who());
   if (first || substeps() > 1) atoms_.read(cement_->grains());
   guarded([&] { cement_->start_step(first); });
   if (first) atoms_.write_velocities(cement_->grains());
@@ -394,6 +397,7 @@ void FixMpm::end_of_step() {
 
 void FixMpm::post_run() {
   prepared_ = false;
+  mpdem::warn_of_coats_at_walls(lmp, who());
   avec_->last_run.atoms = atom->natoms;
   avec_->last_run.dt = update->dt;
   report_->jump(*cement_);

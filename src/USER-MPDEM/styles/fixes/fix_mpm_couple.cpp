@@ -43,18 +43,19 @@ using CoupleKeyword = mpdem::Keyword<Words>;
 
 double stiffness(Arguments& args, const CoupleKeyword& k) { return args.accept("auto") ? -1.0 : args.positive(k.name, " or 'auto'"); }
 
-mpdem::GrainElasticity elasticity(Arguments& args) {
-  const double E = args.positive("grains elastic");
-  return {E, args.between(text_of("grains elastic ", E), kLeastPoisson, kMostPoisson, "Poisson's ratio")};
+mpdem::GrainElasticity elasticity(Arguments& args, const std::string& keyword) {
+  const std::vector<double> v = args.numbers(
+      keyword, {{"E", "Young's modulus", 0.0, 0.0, true}, {"nu", "Poisson's ratio", kLeastPoisson, kMostPoisson}}, "7e10 0.25");
+  return {v[0], v[1]};
 }
 
 std::vector<mpdem::ElasticType> elastic_types(Arguments& args) {
-  std::vector<mpdem::ElasticType> types{{0, elasticity(args)}};
+  std::vector<mpdem::ElasticType> types{{0, elasticity(args, "grains elastic")}};
   for (;;) {
     const bool own = args.accept("type");
     if (!own && !args.accept("rigid")) return types;
     const int type = args.integer(own ? "type" : "rigid", 1);
-    types.push_back({type, own ? elasticity(args) : mpdem::GrainElasticity()});
+    types.push_back({type, own ? elasticity(args, text_of("type ", type)) : mpdem::GrainElasticity()});
   }
 }
 

@@ -56,9 +56,10 @@ void FixMpm::tell_materials() {
     const mpdem::Law& law = law_->of_material(number);
     const mpdem::VtiConstants& e = law.elasticity().constants;
     const auto own = std::count_if(table.begin(), table.end(), [&](const mpdem::BondRecord& b) { return b.material == number; });
-    mpdem::tell(lmp, text_of("  material  ", number, " '", materials_[n].name, "', of ", own, " bonds, and in some of ", several,
-                             " of several materials\n  elastic   Ep ", e.Ep, ", Ez ", e.Ez, ", nu_p ", e.nu_p, ", nu_zp ", e.nu_zp,
-                             ", Gzp ", e.Gzp, "\n", law.report(cement_->options().cell)));
+    mpdem::tell(
+        lmp, text_of("  material  ", number, " '", materials_[n].name, "', of ", own, " bonds, and in some of ", several,
+                     " of several materials\n  elastic   Ep ", e.Ep, ", Ez ", e.Ez, ", nu_p ", e.nu_p, ", nu_zp ", e.nu_zp, ", Gzp ", e.Gzp,
+                     "\n", law.density() > 0.0 ? text_of("  density   ", law.density(), "\n") : "", law.report(cement_->options().cell)));
   }
 }
 

@@ -16,50 +16,61 @@ namespace {
 constexpr double kCalm = 0.1;           // kinetic share over its limit, below which there is almost no motion
 constexpr double kDamaged = 0.1;        // energy that damage has dissipated, over that of the cement
 constexpr std::size_t kSharesKept = 3;  // checks whose median counts
+constexpr double kLoaded = 0.1;         // energy put in at a check that counts, over that at the failure
 }  // namespace
 
 void QuasistaticWatch::start_run(Cement& c, bool any_failed) {
   if (limit_ == 0.0 || reported_flag_) return;
-  const Report::EnergyShares now = c.report().energy_shares();
-  keep(now.kinetic);
+  const Shares now = c.report().energy_shares();
+  keep(now);
   if (started_) return;
   started_ = true;
   damaged_ = now.dissipated > kDamaged;
   calm_ = !any_failed && !damaged_;
 }
 
-void QuasistaticWatch::keep(double share) {
+void QuasistaticWatch::keep(const Shares& share) {
   if (shares_.size() == kSharesKept) shares_.erase(shares_.begin());
   shares_.push_back(share);
   at_ = lmp_->update->ntimestep;
 }
 
-double QuasistaticWatch::median_share() const {
-  std::vector<double> sorted(shares_);
-  const auto middle = sorted.begin() + static_cast<long>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+namespace {
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+}  // namespace
+
+double QuasistaticWatch::median_share(const Shares& now) const {
+  std::vector<double> all, loaded;
+  for (const Shares& s : shares_) {
+    all.push_back(s.kinetic);
+    if (s.put_in >= kLoaded * now.put_in) loaded.push_back(s.kinetic);
+  }
+  return loaded.empty() ? std::max(median(all), now.kinetic) : median(loaded);
 }
 
 // Failure before the first check is judged with the share at that check.
 void QuasistaticWatch::check(Cement& c) {
   if (limit_ == 0.0 || reported_flag_ || lmp_->update->ntimestep == at_) return;
-  const Report::EnergyShares now = c.report().energy_shares();
+  const Shares now = c.report().energy_shares();
   int mine = failed_, any;
   MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, lmp_->world);
   failed_ = false;
   const bool damaged = now.dissipated > kDamaged, broke = any || (damaged && !damaged_), judged = broke && calm_;
   damaged_ = damaged;
   calm_ = !broke && (calm_ || now.kinetic < kCalm * limit_);
-  if (!checked_) keep(now.kinetic);
+  if (!checked_) keep(now);
   checked_ = true;
-  if (judged && median_share() > limit_) warn(c);
-  keep(now.kinetic);
+  if (const double share = judged ? median_share(now) : 0.0; share > limit_) warn(c, share);
+  keep(now);
 }
 
-void QuasistaticWatch::warn(const Cement& c) {
+void QuasistaticWatch::warn(const Cement& c, double share) {
   reported_flag_ = true;
-  const double share = median_share(), faster = std::sqrt(share / limit_), scale = c.options().mass_scale;
+  const double faster = std::sqrt(share / limit_), scale = c.options().mass_scale;
   const double less = scale / (faster * faster);
   const std::string scaled = less >= 1.0 ? text_of(", or 'quasistatic ", less, "' or less in the place of ", scale) : std::string();
   mpdem::warn(

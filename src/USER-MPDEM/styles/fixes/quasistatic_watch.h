@@ -4,8 +4,10 @@
 // Warns, once, if failure of cement begins in a motion that is not quasi-static. The measure is the kinetic share of
 // the energy before the first points, columns or links fail, or before damage has dissipated a tenth of the energy of
 // the cement, which is where a single bond has its peak load. It is the median of the last checks, since softening
-// cement moves before it fails. Up to the first failure only the script causes motion. Later, failure itself causes
-// bursts of motion at any speed of loading. So new failures are judged only after the motion has died away.
+// cement moves before it fails. Checks at which less than a tenth of the energy had been put in do not count: the load had
+// hardly begun. If none counts the load was fast, and the larger of that median and the share at the next check counts.
+// Up to the first failure only the script causes motion. Later, failure itself causes bursts of motion at any speed of
+// loading. So new failures are judged only after the motion has died away.
 #ifndef MPDEM_STYLES_FIXES_QUASISTATIC_WATCH_H
 #define MPDEM_STYLES_FIXES_QUASISTATIC_WATCH_H
 
@@ -33,9 +35,10 @@ class QuasistaticWatch {
   void check(Cement& c);
 
  private:
-  void keep(double share);
-  double median_share() const;
-  void warn(const Cement& c);
+  using Shares = Report::EnergyShares;
+  void keep(const Shares& share);
+  double median_share(const Shares& now) const;
+  void warn(const Cement& c, double share);
 
   LAMMPS_NS::LAMMPS* lmp_;
   std::string who_;
@@ -45,7 +48,7 @@ class QuasistaticWatch {
   bool damaged_ = false;                    // damage has dissipated a tenth of the energy
   bool calm_ = false;                       // no failure since there was almost no motion
   bool reported_flag_ = false;
-  std::vector<double> shares_;  // at the last checks
+  std::vector<Shares> shares_;  // at the last checks
   bigint at_ = 0;               // step of the last of them
 };
 

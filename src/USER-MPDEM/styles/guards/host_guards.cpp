@@ -347,9 +347,11 @@ const Guard kGuards[] = {
      "use a larger or periodic box, 'run 0' before, which takes fragments and the cement of separated bonds out of the scene, and "
      "create_cement for each bond",
      kScene, other_number_of_points},
-    {kRun, "cement of several densities", "and one density is needed", "give each create_cement the same 'density'", kScene,
-     [](View v, int) {
+    {kRun, "cement of several densities", "and one density is needed",
+     "give each create_cement the same 'density', and cements of unlike density a cement_material each", kScene,
+     [](View v, int) -> Found {
        const Densities r = densities(v);
+       if (r.changed) return "points of a material with a 'density' of its own have another density,";
        return r.high > r.low * (1.0 + 1e-12) ? text_of("material points differ in density, ", r.low, " to ", r.high, ",") : "";
      }},
     {kUnprepared, "`run … pre no` after atoms were made or deleted", "of which LIGGGHTS tells nothing to fixes",
@@ -514,16 +516,6 @@ bigint points_made(const AtomVecMpdem& cement) {
   for (const BondRecord& b : cement.bonds.table) made += b.points;
   for (int row : cement.bonds.rows_without_points()) made -= cement.bonds.table[row].points;
   return made;
-}
-
-Densities densities(const HostView& view) {
-  double ends[2] = {HUGE_VAL, HUGE_VAL};  // lowest density, and lowest negative density
-  const auto add = [&](double density) { ends[0] = std::min(ends[0], density), ends[1] = std::min(ends[1], -density); };
-  for (int i = 0; i < atoms(view).nlocal; ++i)
-    if (is_point(view, i)) add(atoms(view).density[i]);
-  for (int row : view.cement->bonds.rows_without_points()) add(view.cement->bonds.template_of(row).head.density);
-  MPI_Allreduce(MPI_IN_PLACE, ends, 2, MPI_DOUBLE, MPI_MIN, view.lmp->world);
-  return {ends[0], -ends[1]};
 }
 
 std::vector<FixGravity*> gravities(const HostView& view) {

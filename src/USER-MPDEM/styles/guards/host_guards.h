@@ -72,9 +72,11 @@ void check_host(unsigned when, const HostView& view);
 
 // Number of points of all bonds, without those made later.
 LAMMPS_NS::bigint points_made(const LAMMPS_NS::AtomVecMpdem& cement);
-// Collective. Lowest and highest density of points. Without points the lowest is above the highest.
+// Collective. Lowest and highest density of points whose material has none of its own. Without points the lowest is above the highest.
+// own: lowest density that materials of points have as their own; 0: none. changed: a point of such a material has another density.
 struct Densities {
-  double low, high;
+  double low, high, own;
+  bool changed;
 };
 Densities densities(const HostView& view);
 // Collective. Fixes whose gravity acts on the cement. Their sum is its gravity.

@@ -40,7 +40,8 @@ std::vector<std::string> unlike_solids(const Law& law, double density, const std
       found.push_back(text_of(what, " is ", value, " ", name, "; solids like cement have ", least / unit, " to ", most / unit,
                               ": check the units of ", check, ", which are those of 'units ", u.name, "'"));
     };
-    judge("the density of the cement", density, u.kg_per_m3, u.density, kLightest, kHeaviest, "'density' of create_cement");
+    judge("the density of the cement", density, u.kg_per_m3, u.density, kLightest, kHeaviest,
+          "'density' of create_cement and cement_material");
     judge("the speed of compressional waves in the cement", law.elasticity().fastest_wave(density), u.m_per_s, u.speed, kSlowest, kFastest,
           text_of("'elastic' (", u.pressure, ") and of the density (", u.density, ")"));
     if (law.inert()) continue;

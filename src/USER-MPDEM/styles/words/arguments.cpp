@@ -144,8 +144,46 @@ double Arguments::between(const std::string& keyword, double least, double most,
   return v;
 }
 
+namespace {
+std::string text_of_range(const NumberPart& p) {
+  if (p.above) return text_of(", above ", p.least);
+  return std::isfinite(p.least) ? text_of(", from ", p.least, " to ", p.most) : std::string();
+}
+}  // namespace
+
+std::vector<double> Arguments::numbers(const std::string& keyword, const std::vector<NumberPart>& parts, const std::string& example) {
+  std::vector<double> values;
+  std::string given = keyword;
+  for (const NumberPart& p : parts) {
+    const std::string w = empty() ? std::string() : arg_[next_];
+    char* end = nullptr;
+    const double v = std::strtod(w.c_str(), &end);
+    if (w.empty() || *end != '\0' || !std::isfinite(v)) {
+      std::string all;
+      for (const NumberPart& q : parts)
+        all += text_of(&q == &parts.front() ? "" : &q == &parts.back() ? " and " : ", ", q.name, " (", q.meaning, text_of_range(q), ")");
+      complain(text_of("'", given, w.empty() ? "" : " ", w, "': ", p.name, " is missing",
+                       w.empty() ? "" : ", '" + w + "' is not a finite number", "; '", keyword, "' takes ", parts.size(), " numbers, ", all,
+                       "; write for instance '", keyword, " ", example, "'"));
+    }
+    ++next_;
+    given += text_of(" ", v);
+    if (p.above ? !(v > p.least) : !(v >= p.least && v <= p.most))
+      complain(text_of("'", given, "': ", p.meaning,
+                       p.above ? text_of(", must be greater than ", p.least) : text_of(", must lie in [", p.least, ", ", p.most, "]")));
+    values.push_back(v);
+  }
+  return values;
+}
+
+std::array<int, 2> Arguments::pair() {
+  const int most = std::numeric_limits<int>::max();
+  const int first = integer("pair", 1, most, ", the ID of the first grain of 'pair I J',");
+  return {first, integer(text_of("pair ", first), 1, most, ", the ID of the second grain of 'pair I J',")};
+}
+
 int Arguments::integer(const std::string& keyword, int least, int most, const std::string& or_word) {
-  const std::string w = word("a whole number for '" + keyword + "'");
+  const std::string w = word("a whole number for '" + keyword + "'" + or_word);
   char* end = nullptr;
   const double v = std::strtod(w.c_str(), &end);
   if (w.empty() || *end != '\0' || v != std::floor(v) || !(v >= least && v <= most))

@@ -7,6 +7,7 @@
 #ifndef MPDEM_STYLES_WORDS_ARGUMENTS_H
 #define MPDEM_STYLES_WORDS_ARGUMENTS_H
 
+#include <array>
 #include <limits>
 #include <set>
 #include <string>
@@ -20,6 +21,13 @@ namespace mpdem {
 
 // Returns the items of a list `a, b or c`.
 std::vector<std::string> words_in(std::string list);
+
+// One of several numbers after a keyword: its name, its meaning, and its range, which is [least, most] or all above `least`.
+struct NumberPart {
+  const char *name, *meaning;
+  double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
+  bool above = false;
+};
 
 class Arguments {
  public:
@@ -48,6 +56,10 @@ class Arguments {
   double not_negative(const std::string& keyword, const std::string& or_word = {});
   // what: meaning of the number, for the message.
   double between(const std::string& keyword, double least, double most, const std::string& what = {});
+  // Reads a number for each part. The message about one that is missing or out of range names all of them. example: values of
+  // the parts that are right.
+  std::vector<double> numbers(const std::string& keyword, const std::vector<NumberPart>& parts, const std::string& example);
+  std::array<int, 2> pair();  // reads the IDs of two grains after `pair`
   int integer(const std::string& keyword, int least, int most = std::numeric_limits<int>::max(), const std::string& or_word = {});
   std::string choice(const std::string& keyword, const std::vector<std::string>& allowed) {
     return allowed[index_of_choice(keyword, allowed)];

@@ -64,10 +64,12 @@ void take_axis(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {
   const std::string rule = args.choice("axis", {"radial", "bond", "global"});
   o.axis = rule == "radial" ? AxisRule::radial : rule == "bond" ? AxisRule::bond : AxisRule::global;
   if (o.axis != AxisRule::global) return;
+  const std::vector<double> direction =
+      args.numbers("axis global", {{"nx", "direction along x"}, {"ny", "along y"}, {"nz", "along z"}}, "0 0 1");
   double length = 0.0;
-  for (double& a : o.axis_direction) {
-    a = args.number("axis global");
-    length += a * a;
+  for (int d = 0; d < 3; ++d) {
+    o.axis_direction[d] = direction[static_cast<std::size_t>(d)];
+    length += o.axis_direction[d] * o.axis_direction[d];
   }
   length = std::sqrt(length);
   if (!(length > 0.0)) args.complain("'axis global 0 0 0': a direction is needed");
@@ -122,9 +124,10 @@ void take_reproject(Arguments& args, const ScriptKeyword& key, ScriptOptions& w)
 
 void take_quasistatic(Arguments& args, const ScriptKeyword& key, ScriptOptions& w) {
   CementOptions& o = w.options;
-  o.mass_scale = args.between(key.name, 1.0, kMostInertia, "factor on the inertia");
-  o.relative_damping =
-      args.between(text_of("quasistatic ", o.mass_scale), 0.0, kMostDamping, "the second number, share of critical damping");
+  const std::vector<double> v = args.numbers(
+      key.name, {{"S", "factor on the inertia", 1.0, kMostInertia}, {"Z", "share of critical damping", 0.0, kMostDamping}}, "100 0.1");
+  o.mass_scale = v[0];
+  o.relative_damping = v[1];
 }
 
 void take_condense(Arguments& args, const ScriptKeyword&, ScriptOptions& w) {

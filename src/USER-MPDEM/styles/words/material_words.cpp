@@ -26,6 +26,7 @@ const std::vector<MaterialKeyword>& material_keywords() {
       {"energy", "G", "", [](Arguments& args, const MaterialKeyword& k, MaterialWords& w) { w.energy = args.positive(k.name); }},
       {"interface", names_listed(traction_entries()), "",
        [](Arguments& args, const MaterialKeyword& k, MaterialWords& w) { w.interface = read_choice(args, k.name, traction_entries()); }},
+      {"density", "rho", "", [](Arguments& args, const MaterialKeyword& k, MaterialWords& w) { w.density = args.positive(k.name); }},
       {"scatter", kScatterValues, "", [](Arguments& args, const MaterialKeyword&, MaterialWords& w) { read_scatter(args, w.scatter); },
        true},
   };
@@ -72,15 +73,20 @@ void check_strength(const Arguments& args, const Law& law, const std::string& na
 VtiConstants read_elastic(Arguments& args) {
   VtiConstants constants;
   if (args.choice("elastic", {"vti", "isotropic"}) == "isotropic") {
-    const double E = args.number("elastic isotropic E"), nu = args.number("elastic isotropic nu");
+    const std::vector<double> v =
+        args.numbers("elastic isotropic", {{"E", "Young's modulus, above 0"}, {"nu", "Poisson's ratio, between -1 and 0.5"}}, "4e10 0.3");
+    const double E = v[0], nu = v[1];
     constants = VtiConstants::isotropic(E, nu);
     if (!(nu > -1.0 && nu < 0.5)) args.complain(text_of("'elastic isotropic' nu = ", nu, " must lie between -1 and 0.5"));
   } else {
-    constants.Ep = args.number("elastic vti Ep");
-    constants.Ez = args.number("elastic vti Ez");
-    constants.nu_p = args.number("elastic vti nu_p");
-    constants.nu_zp = args.number("elastic vti nu_zp");
-    constants.Gzp = args.number("elastic vti Gzp");
+    const std::vector<double> v = args.numbers("elastic vti",
+                                               {{"Ep", "Young's modulus in the plane of isotropy, above 0"},
+                                                {"Ez", "Young's modulus along the axis, above 0"},
+                                                {"nu_p", "Poisson's ratio in the plane of isotropy, between -1 and 1"},
+                                                {"nu_zp", "Poisson's ratio under stress along the axis"},
+                                                {"Gzp", "shear modulus of planes that have the axis, above 0"}},
+                                               "4e10 3e10 0.3 0.25 1.2e10");
+    constants.Ep = v[0], constants.Ez = v[1], constants.nu_p = v[2], constants.nu_zp = v[3], constants.Gzp = v[4];
   }
   const std::string why = constants.violated_condition();
   if (!why.empty()) args.complain("'elastic' is not positive definite: " + why);
@@ -170,7 +176,9 @@ std::shared_ptr<Law> make_law(LAMMPS_NS::LAMMPS* lmp, const CementOptions& o, co
           text_of("'energy ", m.energy, "' needs a fix mpm with an energy: 'regularization crackband G' or 'nonlocal L energy G'"));
     *of_fix_mpm = m.energy;
   }
-  return make_law(args, o, w);
+  std::shared_ptr<Law> law = make_law(args, o, w);
+  law->set_density(m.density);
+  return law;
 }
 
 std::string listed_material_words() { return listed("cement_material", material_keywords()); }

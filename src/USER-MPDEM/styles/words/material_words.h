@@ -39,7 +39,8 @@ struct MaterialWords {
   std::optional<VtiConstants> elastic;
   std::optional<LawChoice> damage;
   std::optional<Choice<TractionEntry>> interface;
-  double energy = 0.0;  // fracture energy per area; 0: that of fix mpm
+  double energy = 0.0;   // fracture energy per area; 0: that of fix mpm
+  double density = 0.0;  // 0: that of create_cement
   Scatter scatter;
   std::vector<SceneOption> said;  // keywords with values, for word_rules.h
 
