@@ -28,7 +28,7 @@ double PenaltyLinks::acts_at(const PointStore& points, const Link& k, int d) con
 }
 
 PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, const PenaltyParameters& parameters, double cell,
-                           double density, Basis basis)
+                           const CementDensity& density, Basis basis)
     : p_(parameters),
       basis_(basis),
       cell_(cell),
@@ -127,7 +127,7 @@ void PenaltyLinks::set_lane(std::size_t block, int lane, const PointStore& point
   h.counts_for_added_mass |= bit;
   if (is_bonded(points, k)) h.attached |= bit;
   b.area[lane] = k.area;
-  const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
+  const double point_mass = density_.of(b.material) * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
   if (!dampers_.empty()) dampers_[block][lane] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
   int base[3];
   base_of(points, k, base);

@@ -34,6 +34,7 @@
 #include <optional>
 #include <vector>
 
+#include "../material/cement_density.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
 #include "../mpm/power.h"
@@ -81,8 +82,8 @@ class PenaltyLinks {
  public:
   PenaltyLinks() = default;
   // Lays out the links of the store in blocks of one grain. Call add_cells() before the grid is built.
-  PenaltyLinks(const PointStore& points, const BondRecord& record, const PenaltyParameters& parameters, double cell, double density,
-               Basis basis = Basis::quadratic);
+  PenaltyLinks(const PointStore& points, const BondRecord& record, const PenaltyParameters& parameters, double cell,
+               const CementDensity& density, Basis basis = Basis::quadratic);
   void add_cells(std::vector<Grid::Cell>& cells);
   // Finds the columns in a grid that is built already, instead of add_cells(). Returns false if the grid has not all
   // the nodes.
@@ -339,7 +340,8 @@ class PenaltyLinks {
 
   PenaltyParameters p_;
   Basis basis_ = Basis::quadratic;
-  double cell_ = 0, inverse_h_ = 0, density_ = 0;
+  CementDensity density_{0.0};
+  double cell_ = 0, inverse_h_ = 0;
   int row_ = 0, columns_of_cell_ = 0;
   bool gone_ = false;  // some links have neither force nor added mass, by the last move_links()
   // Lists that bonds of one shape share: blocks, and for each lane its columns of nodes (see Grid) and its layer.

@@ -108,7 +108,7 @@ class LayoutMaker {
     find_softening(l.points, record, o.cell);
     find_scatter(l.points, record);
     scatter_softening(l.points, record);
-    if (rules_.penalty) l.links = PenaltyLinks(l.points, record, *rules_.penalty, o.cell, rules_.density.of_scene, o.basis);
+    if (rules_.penalty) l.links = PenaltyLinks(l.points, record, *rules_.penalty, o.cell, rules_.density, o.basis);
   }
 
   // Builds grids with nodes for all cells and masters, with the previous motion or at rest.

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
+#include <utility>
 
 #include "../../mpm/point_state.h"
 #include "../words/arguments.h"
@@ -81,6 +83,20 @@ const std::vector<BondState>& CementReport::loads(Cement& c) {
 }
 
 namespace {
+// Young's modulus and Poisson's ratio of the elastic grains, a few different ones.
+std::string constants_of_grains(const std::vector<BondRecord>& table) {
+  constexpr std::size_t kShown = 3;
+  std::set<std::pair<double, double>> found;
+  for (const BondRecord& b : table)
+    for (int s = 0; s < 2; ++s)
+      if (b.grain_E[s] > 0.0) found.emplace(b.grain_E[s], b.grain_nu[s]);
+  std::string text;
+  std::size_t n = 0;
+  for (const auto& [E, nu] : found)
+    if (n++ < kShown) text += text_of(text.empty() ? ", E " : "; ", E, " nu ", nu);
+  return found.size() > kShown ? text + "; ..." : text;
+}
+
 // Returns the text with mass scaling or relative damping, else nothing.
 std::string if_quasistatic(const CementOptions& o, const std::string& text) {
   if (o.mass_scale > 1.0 || o.relative_damping > 0.0) return text;
@@ -126,7 +142,8 @@ void CementReport::parameters(Cement& c, bigint points) {
                       "; 'friction' of fix mpm/couple makes them touch\n");
     const auto elastic = std::count_if(table.begin(), table.end(), [](const BondRecord& b) { return b.grain_E[0] + b.grain_E[1] > 0.0; });
     if (elastic > 0)
-      text += text_of("  grains    elastic under ", elastic, " of ", table.size(), " bonds; bonds on one grain ",
+      text += text_of("  grains    elastic", constants_of_grains(table), ", under ", elastic, " of ", table.size(),
+                      " bonds; bonds on one grain ",
                       word_of(c.has_coupled_grains(), "act on each other", "do not act on each other with 'condense yes'"), "\n");
     text += if_quasistatic(
         o, text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relative_damping, " of critical\n"));

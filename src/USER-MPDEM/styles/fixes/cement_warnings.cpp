@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "../guards/unit_checks.h"
@@ -62,13 +64,13 @@ void warn_of_scatter(LAMMPS* lmp, const std::string& who, Cement& c) {
 }  // namespace
 
 void warn_of_cement(LAMMPS* lmp, const std::string& who, Cement& c) {
+  std::set<std::string> told;  // materials may have equal numbers
   for (int n = 0; n < c.law().materials(); ++n) {
     const Law& law = c.law().of_material(n);
-    const bool own = law.density() > 0.0;
-    if (n > 0 && !own) continue;
-    for (const std::string& text : unlike_solids(law, own ? law.density() : c.density(), lmp->update->unit_style))
-      mpdem::warn(lmp, who + text);
+    for (const std::string& text : unlike_solids(law, law.density() > 0.0 ? law.density() : c.density(), lmp->update->unit_style))
+      if (told.insert(text).second) mpdem::warn(lmp, who + text);
   }
+  for (const std::string& text : unlike_grains(c.bonds().table, lmp->update->unit_style)) mpdem::warn(lmp, who + text);
   warn_of_averages(lmp, who, c);
   warn_of_scatter(lmp, who, c);
 }

@@ -3,6 +3,7 @@
 #include "unit_checks.h"
 
 #include <algorithm>
+#include <set>
 
 #include "../../parallel/agree.h"
 
@@ -25,6 +26,7 @@ constexpr Units kUnits[] = {
 constexpr double kSlowest = 500.0, kFastest = 10e3;
 constexpr double kLightest = 1e3, kHeaviest = 4e3;
 constexpr double kWeakest = 1e3, kStrongest = 80e6;
+constexpr double kSoftestGrain = 1e6;  // rubber
 
 }  // namespace
 
@@ -52,6 +54,18 @@ std::vector<std::string> unlike_solids(const Law& law, double density, const std
   if (law.inert()) return found;
   const double strain = law.implied_strength(std::min(e.Ez, e.Ep)).failure_strain;
   if (strain > 1.0) found.push_back(text_of("cement fails at a strain of ", strain, ", ", law.advice_on_strain()));
+  return found;
+}
+
+std::vector<std::string> unlike_grains(const std::vector<BondRecord>& table, const std::string& units) {
+  std::vector<std::string> found;
+  std::set<double> moduli;
+  for (const BondRecord& b : table) moduli.insert(b.grain_E, b.grain_E + 2);
+  for (const Units& u : kUnits)
+    for (double E : moduli)
+      if (units == u.name && E > 0.0 && E * u.Pa < kSoftestGrain)
+        found.push_back(text_of("Young's modulus of elastic grains is ", E, " ", u.pressure, "; solids have ", kSoftestGrain / u.Pa,
+                                " and more: check the units of 'grains elastic', which are those of 'units ", u.name, "'"));
   return found;
 }
 

@@ -10,12 +10,15 @@
 #include <vector>
 
 #include "../../material/law.h"
+#include "../../mpm/bond_record.h"
 
 namespace mpdem {
 
 // Returns the texts of the warnings. units: si, cgs or micro; with others only the strain at failure is judged.
 // density: of the cement, in these units.
 std::vector<std::string> unlike_solids(const Law& law, double density, const std::string& units);
+// The same for the moduli of elastic grains.
+std::vector<std::string> unlike_grains(const std::vector<BondRecord>& table, const std::string& units);
 
 }  // namespace mpdem
 
