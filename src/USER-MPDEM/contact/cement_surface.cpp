@@ -22,7 +22,7 @@ struct OccupiedCells {
     Cell high{};
     bool first = true;
     for (const PointOfCement& p : points) {
-      if (p.thickness > 0.0) continue;
+      if (p.thickness > 0.0 || p.side > 1) continue;
       const Cell c = cell_of(record, p.X);
       for (int d = 0; d < 3; ++d) {
         low[d] = first ? c[d] : std::min(low[d], c[d]);
@@ -34,7 +34,7 @@ struct OccupiedCells {
     for (int d = 0; d < 3; ++d) size[d] = high[d] - low[d] + 1;
     sides.assign(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]), 0);
     for (const PointOfCement& p : points)
-      if (p.thickness == 0.0) sides[index_of(cell_of(record, p.X))] |= static_cast<unsigned char>(1 << p.side);
+      if (p.thickness == 0.0 && p.side < 2) sides[index_of(cell_of(record, p.X))] |= static_cast<unsigned char>(1 << p.side);
   }
   std::size_t index_of(const Cell& c) const {
     const auto along = [&](int d) { return static_cast<std::size_t>(c[d] - low[d]); };
@@ -51,8 +51,9 @@ struct OccupiedCells {
 };
 
 // Direction from the cement that is around a point to the empty places, zero if there is cement all around. exposed: is
-// one of the six nearest places empty?
-std::array<double, 3> outward(const BondRecord& record, const OccupiedCells& cells, const PointOfCement& p, bool apart, bool& exposed) {
+// one of the six nearest places empty? on_grain: the grain of the piece fills places.
+std::array<double, 3> outward(const BondRecord& record, const OccupiedCells& cells, const PointOfCement& p, bool apart, bool on_grain,
+                              bool& exposed) {
   std::array<double, 3> sum{};
   const Cell own = OccupiedCells::cell_of(record, p.X);
   exposed = false;
@@ -66,12 +67,70 @@ std::array<double, 3> outward(const BondRecord& record, const OccupiedCells& cel
         bool filled = false;
         for (int s = 0; s < 2; ++s)
           if (!apart || s == p.side)
-            filled = filled || cells.has(s, {own[0] + i, own[1] + j, own[2] + k}) || above_grain(record, s, place) < 0.0;
+            filled = filled || cells.has(s, {own[0] + i, own[1] + j, own[2] + k}) || (on_grain && above_grain(record, s, place) < 0.0);
         if (filled) continue;
         exposed = exposed || steps == 1;
         for (int d = 0; d < 3; ++d) sum[d] += step[d] / std::sqrt(steps);
       }
   return sum;
+}
+
+// Unit vector along the first vector. Empty places on opposite sides leave no direction but the second one.
+struct Direction {
+  double n[3];
+  Direction(const std::array<double, 3>& out, const std::array<double, 3>& instead) {
+    double size = 0.0, size_of_out = 0.0;
+    for (int d = 0; d < 3; ++d) {
+      size += instead[d] * instead[d];
+      size_of_out += out[d] * out[d];
+    }
+    constexpr double kClear = 0.5;
+    const bool clear = std::sqrt(size_of_out) > kClear;
+    for (int d = 0; d < 3; ++d) n[d] = clear ? out[d] / std::sqrt(size_of_out) : instead[d] / std::sqrt(size);
+  }
+};
+
+// Radius and area of a point of the lattice.
+void set_size(const PointOfCement& p, SurfacePoint& q) {
+  const double side = std::cbrt(p.volume);
+  q.radius = 0.5 * side;
+  q.area = side * side;
+}
+
+// The surface of a fragment, whose points have that side. Returns a piece without points if there is none.
+CementPiece fragment_of(const BondRecord& record, int row, int side, const std::vector<PointOfCement>& points) {
+  CementPiece piece;
+  piece.row = row;
+  piece.side = side;
+  piece.other = record.grain[0];
+  piece.second = record.grain[1];
+  piece.apart = true;
+  piece.spacing = record.spacing;
+  std::vector<PointOfCement> own;
+  double middle[3] = {0, 0, 0};
+  for (const PointOfCement& p : points) {
+    if (p.side != side || p.thickness > 0.0) continue;
+    own.push_back(p);
+    own.back().side = 0;
+    for (int d = 0; d < 3; ++d) middle[d] += p.X[d];
+  }
+  for (double& m : middle) m /= static_cast<double>(std::max<std::size_t>(own.size(), 1));
+  const OccupiedCells cells(record, own);
+  for (const PointOfCement& p : own) {
+    bool exposed = true;
+    const std::array<double, 3> out = outward(record, cells, p, true, false, exposed);
+    if (!exposed) continue;
+    SurfacePoint q;
+    const Direction direction(out, {p.X[0] - middle[0], p.X[1] - middle[1], p.X[2] - middle[2]});
+    for (int d = 0; d < 3; ++d) {
+      q.X[d] = p.X[d];
+      q.normal[d] = direction.n[d];
+    }
+    set_size(p, q);
+    piece.points.push_back(q);
+  }
+  if (!piece.points.empty()) piece.find_bounds();
+  return piece;
 }
 
 }  // namespace
@@ -94,7 +153,8 @@ void CementPiece::find_bounds() {
   }
 }
 
-std::vector<CementPiece> pieces_of(const BondRecord& record, int row, const std::vector<PointOfCement>& points, bool apart) {
+std::vector<CementPiece> pieces_of(const BondRecord& record, int row, const std::vector<PointOfCement>& points, bool apart,
+                                   const std::vector<std::vector<Key>>& fragments) {
   const OccupiedCells cells(record, points);
   std::vector<CementPiece> both(2), pieces;
   for (int s = 0; s < 2; ++s) {
@@ -115,36 +175,37 @@ std::vector<CementPiece> pieces_of(const BondRecord& record, int row, const std:
     std::copy(turn.begin(), turn.end(), piece.other_turned);
   }
   for (const PointOfCement& p : points) {
-    if (!record.has_grain(p.side) || (p.thickness > 0.0 && !apart)) continue;
+    if (p.side > 1 || !record.has_grain(p.side) || (p.thickness > 0.0 && !apart)) continue;
     bool exposed = true;
     std::array<double, 3> out{};
-    if (p.thickness == 0.0) out = outward(record, cells, p, apart, exposed);
+    if (p.thickness == 0.0) out = outward(record, cells, p, apart, true, exposed);
     if (!exposed) continue;
-    double from_grain[3], size = 0.0, size_of_out = 0.0;
-    for (int d = 0; d < 3; ++d) {
-      from_grain[d] = p.X[d] - record.centre[p.side][d];
-      size += from_grain[d] * from_grain[d];
-      size_of_out += out[d] * out[d];
-    }
-    // empty places on opposite sides leave no direction but that away from the grain
-    constexpr double kClear = 0.5;
-    const bool clear = std::sqrt(size_of_out) > kClear;
+    std::array<double, 3> from_grain;
+    for (int d = 0; d < 3; ++d) from_grain[d] = p.X[d] - record.centre[p.side][d];
     const Mat3<double> R = rotation_of(record.orientation[p.side]);
-    double normal[3];
-    for (int d = 0; d < 3; ++d) normal[d] = clear ? out[d] / std::sqrt(size_of_out) : from_grain[d] / std::sqrt(size);
+    const Direction direction(out, from_grain);
     SurfacePoint q;
-    const std::array<double, 3> X = turned_back(R, from_grain), n = turned_back(R, normal);
+    const std::array<double, 3> X = turned_back(R, from_grain.data()), n = turned_back(R, direction.n);
     std::copy(X.begin(), X.end(), q.X);
     std::copy(n.begin(), n.end(), q.normal);
-    const double side = std::cbrt(p.volume);
-    q.radius = p.thickness > 0.0 ? 0.5 * p.thickness : 0.5 * side;
-    q.area = p.thickness > 0.0 ? p.volume / p.thickness : side * side;
+    if (p.thickness > 0.0) {
+      q.radius = 0.5 * p.thickness;
+      q.area = p.volume / p.thickness;
+    } else {
+      set_size(p, q);
+    }
     both[p.side].points.push_back(q);
   }
   for (CementPiece& piece : both) {
     if (piece.points.empty()) continue;
     piece.find_bounds();
     pieces.push_back(std::move(piece));
+  }
+  for (std::size_t k = 0; k < fragments.size(); ++k) {
+    CementPiece piece = fragment_of(record, row, static_cast<int>(k) + 2, points);
+    piece.nodes = fragments[k];
+    piece.held = static_cast<int>(piece.nodes.size());
+    if (!piece.points.empty()) pieces.push_back(std::move(piece));
   }
   return pieces;
 }

@@ -10,12 +10,16 @@
 // both grains.
 //
 // Failed points belong to the surface: crushed cement fills a crack.
+//
+// A fragment that is attached to no grain is a piece by itself. It moves with its nodes (cement/bond/fragment_bodies.h),
+// and touches both grains of its bond. Its axes are those of its bond at creation, which it carries along.
 #ifndef MPDEM_CONTACT_CEMENT_SURFACE_H
 #define MPDEM_CONTACT_CEMENT_SURFACE_H
 
 #include <vector>
 
 #include "../mpm/bond_record.h"
+#include "../parallel/key.h"
 #include "../parallel/record.h"
 
 namespace mpdem {
@@ -23,7 +27,7 @@ namespace mpdem {
 // A point of the cement at its creation, from the origin of the bond and in its axes.
 struct PointOfCement {
   double X[3] = {0, 0, 0}, volume = 0.0;
-  int side = 0;            // grain (0 or 1) of the piece
+  int side = 0;            // grain (0 or 1) of the piece; 2 and more: a fragment
   double thickness = 0.0;  // of a column of a film: its length from grain to grain; 0: a point of the lattice
   int tag = 0;
 };
@@ -42,29 +46,40 @@ struct SurfacePoint {
   }
 };
 
+// Fragments have tags of bodies as grains do, from the largest number downwards.
+constexpr int kMostFragments = 1 << 20;
+inline int tag_of_fragment(int n) { return static_cast<int>(kLargestInt) - n; }
+inline bool is_fragment(int tag) { return tag > tag_of_fragment(kMostFragments); }
+
 struct CementPiece {
-  int row = 0, side = 0;
-  int grain = 0, other = 0;  // tags: of the grain that it moves with, and of the other grain of the bond
+  int row = 0, side = 0;     // side: grain (0 or 1) of the bond; 2 and more: a fragment
+  int grain = 0, other = 0;  // tags: of the body that it moves with, and of the other grain of the bond
+  int second = 0;            // a fragment has both grains of its bond in `other` and here; else 0
   bool apart = false;        // the bond is separated, so the piece touches the other grain and the other piece of its bond
-  int size = 0;              // number of its points
+  int size = 0, held = 0;    // number of its points and of its nodes
   double spacing = 0.0;      // of the lattice
   // Centre and orientation of the other grain when the cement was made, from the centre and in the axes of its own grain.
   double other_at[3] = {0, 0, 0}, other_turned[4] = {1, 0, 0, 0};
   std::vector<SurfacePoint> points;
+  std::vector<Key> nodes;  // of a fragment, ascending
   // A sphere that contains the surface, from the centre of the grain, in axes fixed in it. Not in a record.
   double middle[3] = {0, 0, 0}, reach = 0.0;
   bool fresh = true;  // made since the last search for contacts
 
+  bool is_loose() const { return side > 1; }
+  bool is_bonded_to(int tag) const { return tag == other || tag == second; }
   void find_bounds();
-  // Without the points.
+  // Without the points and the nodes.
   template <class Self, class Visitor>
   static constexpr void describe(Self& p, Visitor& visit) {
     visit("the bond of a piece", p.row, kCount);
-    visit("the side of a piece", p.side, from(0, 1));
+    visit("the side of a piece", p.side, kCount);
     visit("the grain of a piece", p.grain, kCount);
     visit("the other grain of a piece", p.other, kCount);
+    visit("the second grain of a fragment", p.second, kCount);
     visit("'is apart' of a piece", p.apart);
     visit("the number of points of a piece", p.size, kCount);
+    visit("the number of nodes of a piece", p.held, kCount);
     visit("the spacing of a piece", p.spacing, kPositive);
     visit("the place of the other grain of a piece", p.other_at, kFinite);
     visit.rotation("the orientation of the other grain of a piece", p.other_turned);
@@ -72,7 +87,9 @@ struct CementPiece {
 };
 
 // Returns the pieces of a bond that have surface points. points: all points of the bond, in ascending order of their tags.
-std::vector<CementPiece> pieces_of(const BondRecord& record, int row, const std::vector<PointOfCement>& points, bool apart);
+// fragments: the nodes of each fragment, in the order of their sides.
+std::vector<CementPiece> pieces_of(const BondRecord& record, int row, const std::vector<PointOfCement>& points, bool apart,
+                                   const std::vector<std::vector<Key>>& fragments = {});
 
 }  // namespace mpdem
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The bodies that cement may touch: grains (ContactBody), and walls (WallFaces). BodyMotions has the motions of the grains
-// of this rank and of those of other ranks that their cement may touch, and sums the forces on them over the ranks.
+// The bodies that cement may touch: grains and fragments (ContactBody), and walls (WallFaces). BodyMotions has the motions
+// of the bodies of this rank and of those of other ranks that their cement may touch, and sums the forces on them over the
+// ranks.
 #ifndef MPDEM_CONTACT_CONTACT_BODIES_H
 #define MPDEM_CONTACT_CONTACT_BODIES_H
 
@@ -17,7 +18,8 @@
 namespace mpdem {
 
 // A grain that this rank owns, with or without cement. x: unwrapped. q: orientation, the identity where it is not known,
-// which only grains with cement need.
+// which only grains with cement need. Or a fragment: x is the place of the origin of its axes (cement_surface.h), v the
+// velocity there, torque about x; its radius is 0.
 struct ContactBody {
   int tag = 0;
   double radius = 0.0;
@@ -36,7 +38,7 @@ class WallFaces {
     double distance;     // from the face
   };
   virtual int walls() const = 0;
-  // Does the wall act on the cement of that grain?
+  // Does the wall act on the cement of that grain? Each acts on fragments, whose tag may stand in place of that of a grain.
   virtual bool acts_on(int wall, int grain) const = 0;
   // Numbers of the faces of a wall that may be nearer to x than `far`. Ascending.
   virtual void faces_near(int wall, const double* x, double far, std::vector<int>& faces) const = 0;

@@ -53,7 +53,8 @@ struct KnownBody {
 };
 
 bool may_touch(const CementPiece& a, const CementPiece& b) { return a.grain != b.grain && (a.row != b.row || a.apart); }
-bool may_touch(const CementPiece& a, int tag) { return tag != a.grain && (tag != a.other || a.apart); }
+// tag: of a grain. A fragment is touched as a piece.
+bool may_touch(const CementPiece& a, int tag) { return tag != a.grain && (tag != a.other || a.apart) && !is_fragment(tag); }
 
 // Returns the pieces of this rank with all bodies near them. The groups have tags in place of indices of motions. known:
 // ascending in tags.
@@ -158,7 +159,7 @@ void add_candidates(ContactGroup g, const std::vector<CementPiece>& pieces, cons
   }
   g.end = static_cast<int>(list.candidates.size());
   if (g.end == g.begin) return;
-  const bool within = g.kind == kPiece ? pieces[g.other].row == piece.row : g.kind == kGrain && g.other == piece.other;
+  const bool within = g.kind == kPiece ? pieces[g.other].row == piece.row : g.kind == kGrain && piece.is_bonded_to(g.other);
   if (within) {
     g.load = static_cast<int>(list.bonds.size());
     list.bonds.push_back(piece.row);

@@ -40,11 +40,11 @@ struct ContactId {
   template <class Self, class Visitor>
   static constexpr void describe(Self& i, Visitor& visit) {
     visit("the bond of a contact", i.row, kCount);
-    visit("the side of a contact", i.side, from(0, 1));
+    visit("the side of a contact", i.side, kCount);
     visit("the surface point of a contact", i.point, kCount);
     visit("the kind of a contact", i.kind, from(kGrain, kWall));
     visit("the other body of a contact", i.other, kCount);
-    visit("the other side of a contact", i.other_side, from(0, 1));
+    visit("the other side of a contact", i.other_side, kCount);
   }
 };
 struct KnownSlips {

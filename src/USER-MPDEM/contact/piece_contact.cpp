@@ -57,6 +57,14 @@ void PieceContact::replace(const std::vector<int>& rows, std::vector<std::vector
   for (std::vector<CementPiece>& of_row : pieces)
     for (CementPiece& p : of_row) pieces_.push_back(std::move(p));
   std::sort(pieces_.begin(), pieces_.end(), precedes);
+  number_fragments();
+}
+
+// Gives fragments the tags of their bodies. A search takes these.
+void PieceContact::number_fragments() {
+  int n = 0;
+  for (CementPiece& p : pieces_)
+    if (p.is_loose()) p.grain = tag_of_fragment(n++);
 }
 
 SlipsById PieceContact::slips_of_all(MPI_Comm comm) const {
@@ -122,9 +130,9 @@ double PieceContact::overlap_of(const ContactGroup& g, const ContactCandidate& c
     return t.found ? -t.gap : 0.0;
   };
   const double now = overlap(a, shifted(g));
-  if (g.load < 0) return now;
-  // Within a bond the surfaces also fit where the cement was made.
   const CementPiece& piece = pieces_[g.piece];
+  if (g.load < 0 || piece.is_loose() || (g.kind == kPiece && pieces_[g.other].is_loose())) return now;
+  // Within a bond the surfaces also fit where the cement was made.
   BodyMotion own, other;
   own.x = Vector3::Zero();
   own.R = Eigen::Matrix3d::Identity();
@@ -195,6 +203,12 @@ double PieceContact::touch(const ContactGroup& g, std::size_t candidate, double 
   return clear;
 }
 
+// Side of the other body of a contact within a bond; 2 and more: a fragment.
+int PieceContact::side_of_other(const CementPiece& piece, const ContactGroup& g) const {
+  if (g.kind == kPiece) return pieces_[g.other].side;
+  return piece.is_loose() ? g.other == piece.second : 1 - piece.side;
+}
+
 void PieceContact::add_force(const ContactGroup& g, ContactSlip& s, const Touch& t, double dt) {
   const CementPiece& piece = pieces_[g.piece];
   BodyMotion& a = motions_[g.body];
@@ -207,8 +221,10 @@ void PieceContact::add_force(const ContactGroup& g, ContactSlip& s, const Touch&
   }
   Vector3 e = s.closed ? vector3(s.e) : Vector3(Vector3::Zero());
   const double before = p_.kt * e.norm();
-  if (s.closed) e += dt * (v - v.dot(t.n) * t.n);
-  e -= e.dot(t.n) * t.n;
+  if (s.closed && dt > 0.0) {  // at the start of a run the slip is that of these positions
+    e += dt * (v - v.dot(t.n) * t.n);
+    e -= e.dot(t.n) * t.n;
+  }
   const double most = p_.friction * p_.kn * -t.gap, size = p_.kt * e.norm(), share = sliding_share(most, size);
   dissipated_ += 0.5 * t.area * (before + std::min(most, size)) * share * e.norm();
   e *= 1.0 - share;
@@ -221,11 +237,14 @@ void PieceContact::add_force(const ContactGroup& g, ContactSlip& s, const Touch&
   }
   if (g.load >= 0) {
     double(*load)[6] = loads_of_bonds_[static_cast<std::size_t>(g.load)].load;
-    for (int d = 0; d < 3; ++d) {
+    const int other = side_of_other(piece, g);
+    for (int d = 0; d < 3 && !piece.is_loose(); ++d) {
       load[piece.side][d] += f[d];
       load[piece.side][3 + d] += moment[d];
-      load[1 - piece.side][d] -= f[d];
-      load[1 - piece.side][3 + d] += of_other[d];
+    }
+    for (int d = 0; d < 3 && other < 2; ++d) {
+      load[other][d] -= f[d];
+      load[other][3 + d] += of_other[d];
     }
   }
   stored_ += 0.5 * t.area * (p_.kn * t.gap * t.gap + p_.kt * e.squaredNorm());
@@ -233,7 +252,9 @@ void PieceContact::add_force(const ContactGroup& g, ContactSlip& s, const Touch&
   std::copy(e.data(), e.data() + 3, s.e);
   std::copy(t.n.data(), t.n.data() + 3, s.n);
   s.closed = true;
-  Contact c{piece.grain, b ? motions_.tag_of(g.other_body) : 0, {}, {}, {}};
+  const auto grain_of = [](const CementPiece& p) { return p.is_loose() ? p.other : p.grain; };
+  const int other = g.kind == kWall ? 0 : g.kind == kPiece ? grain_of(pieces_[g.other]) : motions_.tag_of(g.other_body);
+  Contact c{grain_of(piece), other, {}, {}, {}};
   std::copy(f.data(), f.data() + 3, c.force);
   std::copy(arm.data(), arm.data() + 3, c.arm);
   std::copy(arm_of_other.data(), arm_of_other.data() + 3, c.arm_of_other);
@@ -353,6 +374,17 @@ bool PieceContact::find_forces(MPI_Comm comm, std::vector<ContactBody>& bodies, 
 
 namespace {
 
+// A node of a fragment, of the bond of the piece.
+struct NodeOfPiece {
+  int layer = 0, index[3] = {0, 0, 0};
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& n, Visitor& visit) {
+    visit("the layer of a node of a fragment", n.layer, from(0, kMaxLayers - 1));
+    visit("the index of a node of a fragment", n.index, from(-Key::kFarthest, Key::kFarthest));
+  }
+};
+
 struct ContactHead {
   double dissipated = 0.0;
   int pieces = 0, slips = 0;
@@ -378,6 +410,7 @@ std::vector<double> PieceContact::packed(MPI_Comm comm) const {
   for (const CementPiece& p : pieces_) {
     append(p, numbers);
     for (const SurfacePoint& s : p.points) append(s, numbers);
+    for (const Key& k : p.nodes) append(NodeOfPiece{layer_of_field(k.field()), {k.at(0), k.at(1), k.at(2)}}, numbers);
   }
   for (const auto& s : slips) {
     KnownSlips k;
@@ -399,11 +432,17 @@ void PieceContact::restore(RecordReader& in, bool first_rank) {
       p.points.emplace_back();
       in.read(p.points.back());
     }
+    for (int i = 0; i < p.held && in.trouble().empty(); ++i) {
+      NodeOfPiece n;
+      in.read(n);
+      p.nodes.emplace_back(field_of(p.row, n.layer), n.index);
+    }
     if (p.points.empty()) continue;
     p.find_bounds();
     p.fresh = false;
     pieces_.push_back(std::move(p));
   }
+  number_fragments();
   for (int n = 0; n < head.slips && in.trouble().empty(); ++n) {
     KnownSlips k;
     in.read(k);

@@ -13,7 +13,7 @@
 //               the normal of p; A falls to zero with sum w_j where the surface ends
 //
 // and gets the force A (kn <-g> n - kt e). The body touched gets the opposite force at the same position, so momentum
-// and angular momentum are kept. e is the elastic slip: it grows with the relative velocity along the surface and is
+// and angular momentum are kept. A fragment is a body of its own in place of the grain. e is the elastic slip: it grows with the relative velocity along the surface and is
 // limited by Coulomb friction (material/coulomb.h). Stored energy is A (kn g^2 + kt e^2)/2.
 //
 // A surface that is made in contact has no force at first: the radii of its points are reduced by the overlap.
@@ -63,13 +63,14 @@ class PieceContact {
   int touching() const { return static_cast<int>(contacts_.size()); }
   double deepest_so_far() const { return deepest_so_far_; }  // of this rank, since the program started
   // A contact, for the sum of virials: force on the cement of the grain, its position from the centre of the grain, and
-  // the same for the other body (tag 0: a wall).
+  // the same for the other body (tag 0: a wall). A fragment counts to a grain of its bond.
   struct Contact {
     int grain, other;
     double force[3], arm[3], arm_of_other[3];
   };
   const std::vector<Contact>& contacts() const { return contacts_; }
   // Forces and moments of contact within bonds that are apart, on both of their grains about their centres, of this rank.
+  // Those on fragments are left out.
   struct LoadOfBond {
     int row;
     double load[2][6];
@@ -84,6 +85,7 @@ class PieceContact {
 
  private:
   struct Touch;
+  void number_fragments();
   SlipsById slips_of_all(MPI_Comm comm) const;
   // Return a distance by which the bodies have to move before they touch; 0 if they do.
   // b: the other body, with the shift of the group.
@@ -95,6 +97,7 @@ class PieceContact {
   double touch_walls(const ContactGroup& g, std::size_t candidate, WallFaces& walls, double dt);
   double overlap_of(const ContactGroup& g, const ContactCandidate& c, const WallFaces& walls) const;
   void clear_overlaps(MPI_Comm comm, const WallFaces& walls);
+  int side_of_other(const CementPiece& piece, const ContactGroup& g) const;
   void add_force(const ContactGroup& g, ContactSlip& s, const Touch& t, double dt);
   void examine(double dt, WallFaces& walls);
   double longest_path(const std::vector<ContactBody>& bodies, const WallFaces& walls, double dt) const;

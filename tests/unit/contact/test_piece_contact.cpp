@@ -268,6 +268,44 @@ TEST(PieceContact, SearchAndRestartChangeNothing) {
   EXPECT_DOUBLE_EQ(total(pair.contact.dissipated()), total(again.contact.dissipated()));
 }
 
+// A fragment below the piece of its bond at a grain: a body of its own, which counts to neither grain of the bond, and whose
+// nodes are in a restart file.
+TEST(PieceContact, FragmentIsABody) {
+  PieceContact contact;
+  Plane wall;
+  wall.there = false;
+  contact.set(kLaw);
+  CementPiece fragment = square(0, 2, 0, 1, 1.0, true);
+  fragment.second = 2;
+  fragment.nodes = {Key(field_of(0, 3), -4, 5, 6), Key(field_of(0, 3), -4, 5, 7)};
+  fragment.held = 2;
+  contact.replace({0}, {{square(0, 1, 2, 1, -1.0, true), fragment}});
+  const int tag = contact.pieces()[1].grain;
+  EXPECT_TRUE(is_fragment(tag));
+  EXPECT_FALSE(is_fragment(2));
+  std::vector<ContactBody> bodies{body(tag, 0.0), body(2, 2.0 * kTop + 1e-6)};
+  bodies[0].radius = 0.0;
+  contact.search(MPI_COMM_WORLD, mine(bodies), wall, nullptr);
+  bodies[1].x[2] = 2.0 * kTop - 2e-6;
+  const std::vector<ContactBody> f = forces(contact, wall, bodies, 0.0);
+  EXPECT_LT(f[0].force[2], -1.0);
+  EXPECT_NEAR(f[0].force[2] + f[1].force[2], 0.0, 1e-12 * f[1].force[2]);
+  double of_bond[2] = {0.0, 0.0};
+  for (const PieceContact::LoadOfBond& l : contact.loads_of_bonds())
+    for (int s = 0; s < 2; ++s) of_bond[s] += l.load[s][2];
+  EXPECT_NEAR(total(of_bond[1]), f[1].force[2], 1e-12 * f[1].force[2]);
+  EXPECT_EQ(total(of_bond[0]), 0.0);
+  for (const PieceContact::Contact& c : contact.contacts()) EXPECT_EQ(c.grain + c.other, 1 + 2);
+  const std::vector<double> state = contact.packed(MPI_COMM_WORLD);
+  PieceContact restored;
+  RecordReader in(state.data(), state.data() + state.size());
+  restored.restore(in, true);
+  EXPECT_EQ(in.trouble(), "");
+  EXPECT_TRUE(in.at_end());
+  EXPECT_EQ(restored.pieces()[1].nodes, fragment.nodes);
+  EXPECT_EQ(restored.pieces()[1].grain, tag);
+}
+
 // Pieces of another bond that come or go change no contact of others, whatever their place in the list.
 TEST(PieceContact, OtherPiecesChangeNothing) {
   Facing pair, other;

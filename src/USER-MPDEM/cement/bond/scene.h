@@ -23,6 +23,7 @@
 #include "bond.h"
 #include "bonded_grains.h"
 #include "energy_balance.h"
+#include "fragment_bodies.h"
 #include "options.h"
 #include "formulation.h"
 #include "step_timer.h"
@@ -71,6 +72,7 @@ struct Scene {
   ElasticGrains elastic_grains = ElasticGrains::none;
   double scaled_density = 0.0;  // of materials without a density of their own: density times the mass scale
   BondedGrains grains;
+  FragmentBodies fragments;
   EnergyBalance energy;
   StepTimer timer;
 
@@ -112,6 +114,10 @@ struct Scene {
   // Are contact points mapped to other material points in this step?
   bool contacts_move() const { return touches() && is_topology_step(); }
   bool faces_touch() const { return touches() && options.split; }
+  // Do they in this bond? Otherwise its surfaces touch, see contact/piece_contact.h.
+  bool touches_in(const Bond& b) const { return touches() && !fragments.has(b.row); }
+  // What nodes still have to move in this step, before its pass over the points.
+  FragmentBodies::Drift drift() const { return {kick(), now.dt}; }
   // May bonds be condensed? Where cement has contact, separated bonds may become rigid pieces in any case.
   bool may_condense() const { return penalty && (options.condense || touches()); }
   // Is the response linear as long as nothing else fails? Contact, cracks that close and links that softened are not.

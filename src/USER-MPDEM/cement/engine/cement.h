@@ -135,16 +135,22 @@ class Cement {
     }
   }
 
-  // Contact of the cement with other bodies, see contact/piece_contact.h. is_apart(): the bond is separated and moves as
-  // rigid pieces. changes_of_surfaces(): grows when a bond becomes apart or
-  // loses points. surfaces(): of these bonds, the same on all ranks;
-  // collective. The host calls contact() with the motion of all its grains, and adds the forces to its own.
+  // Contact of the cement with other bodies, see contact/piece_contact.h. is_apart(): the bond is separated, and its pieces
+  // and fragments touch each other and its grains. changes_of_surfaces(): another number when a bond becomes apart, loses
+  // points, or when its fragments break. seen_of_fragments(): the latter of one bond.
+  // take_surfaces(): finds the surfaces of these bonds anew; collective. The host calls contact() with the motion of all its
+  // grains and of motions_of_fragments(), and adds the forces to its own. moved: nodes have the positions of the grains.
+  // load_fragments(): six numbers a fragment, of the ranks that found its forces; collective.
   PieceContact& contact() { return contact_; }
   bool has_contact() const;
   ContactOfPieces contact_parameters() const;
-  bool is_apart(int row) const { return condensed_.is_in_pieces(row); }
-  int changes_of_surfaces() const { return condensed_.changes_of_surfaces(); }
-  std::vector<std::vector<CementPiece>> surfaces(const std::vector<int>& rows) const;
+  bool is_apart(int row) const { return condensed_.is_in_pieces(row) || scene_.fragments.has(row); }
+  double changes_of_surfaces() const;
+  double seen_of_fragments(int row) const { return scene_.fragments.has(row) ? cracks()[static_cast<std::size_t>(row)].broken_seen : 0.0; }
+  void take_surfaces(const std::vector<int>& rows);
+  int fragments() const { return scene_.fragments.size(); }
+  const std::vector<BodyOfNodes>& motions_of_fragments(bool moved);
+  void load_fragments(std::vector<double> forces);
 
   // Throws BadState if a node is not finite, a bonded grain is gone, cement is pressed too deep into a grain, or faces
   // of a crack in contact slid too far.
@@ -181,6 +187,8 @@ class Cement {
   void start_bonds();
   void correct_half_kicks(const std::vector<std::vector<double>>& accelerations);  // accelerations of resolved bonds in the last step
   void restore_bonds(int bond_rows, RecordReader& in);
+  std::vector<std::vector<CementPiece>> surfaces(const std::vector<int>& rows);
+  void name_fragments();
 
   // Components in the order of construction: they refer to those above them.
   Scene scene_;

@@ -147,7 +147,8 @@ std::vector<double> Cement::packed_state(CementHead head) {
   const std::vector<LoadHistory::Sums> loads = watch.gather_on_first(scene_.comm);
   for (std::size_t r = 0; r < peaks.size(); ++r) {
     const Cracks::State s = r < cracks().size() ? cracks()[r] : Cracks::State();
-    BondRow row{s.broken_seen, s.separation, peaks[r], static_cast<double>(s.broken_at), watch.largest(r)};
+    BondRow row{s.broken_seen,   s.separation, peaks[r], static_cast<double>(s.broken_at), scene_.fragments.has(static_cast<int>(r)),
+                watch.largest(r)};
     std::copy(loads[r].begin(), loads[r].end(), row.loads);
     append(row, all);
   }
@@ -173,6 +174,7 @@ void Cement::restore_bonds(int bond_rows, RecordReader& in) {
     peaks[r] = row.peak;
     cracks[r].broken_at = static_cast<std::int64_t>(row.broken_at);
     largest[r] = row.largest;
+    if (row.released) scene_.fragments.add_rows({r});
     if (me == 0) std::copy(row.loads, row.loads + LoadHistory::kSums, loads[r].begin());
   }
   report_.restore(peaks);
@@ -216,6 +218,7 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
     loose.push_back({row.row, row.tag, row.since});
   }
   contact_.restore(in, me == 0);
+  name_fragments();
   if (!in.trouble().empty()) return;
   departures_.loose_cement().restore(head.loose.time, static_cast<std::int64_t>(head.loose.step), loose);
   discontinuities_.splits->restore(head.rows_started, std::move(copies));

@@ -71,7 +71,7 @@ struct LooseClock {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 22;
+  static constexpr int kVersion = 23;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
@@ -129,6 +129,7 @@ struct BondRow {
   FractureSurface separation;
   double peak = 0.0;       // largest tension so far
   double broken_at = 0.0;  // the step Cracks::State::broken_at
+  bool released = false;   // do its fragments touch other bodies, see FragmentBodies
   LoadHistory::Largest largest;
   double loads[LoadHistory::kSums] = {};  // sums over the present window, of all ranks
 
@@ -138,6 +139,7 @@ struct BondRow {
     visit.part(b.separation);
     visit("the largest tension of a bond", b.peak, kFinite);
     visit("the step at which a bond was broken", b.broken_at, kNotNegative);
+    visit("'has free fragments' of a bond", b.released);
     visit.part(b.largest);
     visit("a sum of loads of a bond", b.loads, kFinite);
   }

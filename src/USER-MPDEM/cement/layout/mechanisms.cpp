@@ -16,11 +16,11 @@ Bond::Mechanisms mechanisms_of(const Scene& scene, const Bond& b, const NodeSpli
   const double friction = scene.friction();
   const BondRecord& record = scene.bonds().record(b);
   Bond::Mechanisms mechanisms;
-  if (scene.touches()) mechanisms.push_back(std::make_unique<DebondedContact>(b.points, record, *scene.penalty, b.grid));
+  if (scene.touches_in(b)) mechanisms.push_back(std::make_unique<DebondedContact>(b.points, record, *scene.penalty, b.grid));
   if (o.unilateral) mechanisms.push_back(std::make_unique<ClosingPoints>(b.points, scene.law->elasticity(), friction));
   if (scene.penalty && o.relative_damping > 0.0)
     mechanisms.push_back(std::make_unique<RelativeDamping>(record, o.relative_damping, scene.shear_speed()));
-  if (scene.faces_touch())
+  if (scene.faces_touch() && scene.touches_in(b))
     mechanisms.push_back(std::make_unique<CrackFaces>(
         b.points, b.grid, [&](const Key& k) { return splits.at_start(k); }, friction));
   if (scene.penalty && o.subcycle != 1) mechanisms.push_back(std::make_unique<SharedImpulse>());

@@ -109,17 +109,20 @@ std::vector<int> Condensing::ask_for_points(const std::vector<int>& rows) {
 }
 
 bool Condensing::change() {
-  activated_ = recondensed_ = Change();
+  activated_ = recondensed_ = released_ = Change();
   if (!scene_.may_condense()) return false;
   activate();
   condense_again();
-  return !activated_.rows.empty() || !recondensed_.rows.empty();
+  return !activated_.rows.empty() || !recondensed_.rows.empty() || !released_.rows.empty();
 }
 
 void Condensing::count_changes() {
   for (int row : activated_.rows)
     if (const Bond* b = scene_.bonds().find(row)) activated_.energy -= work_.energy_of(*b);
   scene_.energy.release(activated_.energy);
+  for (int row : released_.rows)
+    if (const Bond* b = scene_.bonds().find(row)) released_.energy -= work_.energy_of(*b);
+  scene_.energy.damp(released_.energy);
   for (int row : recondensed_.rows) {
     const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds(), 0.5 * scene_.dt_last);
     recondensed_.energy -= e.elastic + e.discrete_kinetic;
@@ -202,15 +205,16 @@ bool Condensing::rests(Bond& b) {
                                             *scene_.law);
 }
 
-// Collective. Returns the separated bonds that go on as rigid pieces, with contact. With `condense no`, only those in
-// which faces of a crack slid too far. They keep no strain, and no large fragment that is attached to no grain.
-std::vector<int> Condensing::rows_to_part() {
+// Collective. With `condense no`, only bonds in which faces of a crack slid too far. Rigid pieces keep no strain, and no
+// large fragment that is attached to no grain.
+Condensing::Parting Condensing::rows_to_part() {
+  Parting parted;
   std::vector<int> rows;
   const std::vector<BondRecord>& table = scene_.bonds().table;
   for (std::size_t row = 0; row < table.size() && scene_.touches(); ++row)
     if (!table[row].condensed && table[row].has_grain(0) && table[row].has_grain(1) && cracks_.separated(row))
       rows.push_back(static_cast<int>(row));
-  if (rows.empty()) return rows;
+  if (rows.empty()) return parted;
   std::vector<double> sums(3 * rows.size(), 0.0);  // points in fragments, broken points and links, ranks on which a mechanism has ended
   for (std::size_t n = 0; n < rows.size(); ++n) {
     Bond* b = scene_.bonds().find(rows[n]);
@@ -221,11 +225,28 @@ std::vector<int> Condensing::rows_to_part() {
     for (const auto& p : b->mechanisms) sums[3 * n + 2] += !scene_.options.condense && p->has_ended(b->points, b->grid);
   }
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, scene_.comm);
-  std::vector<int> parted;
-  for (std::size_t n = 0; n < rows.size(); ++n)
-    if (sums[3 * n] < kLeastLoose && cracks_.has_seen(rows[n], sums[3 * n + 1]) && (scene_.options.condense || sums[3 * n + 2] > 0.0))
-      parted.push_back(rows[n]);
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    // Small fragments stay with the grains that they are at, but those that were free may be anywhere.
+    const bool free = scene_.fragments.has(rows[n]);
+    const bool due = free ? sums[3 * n] == 0.0 : scene_.options.condense || sums[3 * n + 2] > 0.0;
+    if (!due || !cracks_.has_seen(rows[n], sums[3 * n + 1])) continue;
+    (sums[3 * n] < kLeastLoose ? parted.in_pieces : parted.with_fragments).push_back(rows[n]);
+  }
   return parted;
+}
+
+// Collective. From here on surfaces touch, so contact points and crack faces of these bonds end, with their energy.
+void Condensing::release_fragments(const std::vector<int>& rows) {
+  released_.rows = rows;
+  if (rows.empty()) return;
+  scene_.fragments.add_rows(rows);
+  for (int row : rows) {
+    Bond* b = scene_.bonds().find(row);
+    if (!b) continue;
+    released_.energy += work_.energy_of(*b);
+    b->points.contacts.clear();
+  }
+  layout_manager_.lay_out_again(rows, {}, {});
 }
 
 // Collective. Returns bonds that may be condensed again. The force of one step passes zero while pieces ring, so
@@ -249,7 +270,10 @@ std::vector<int> Condensing::rows_that_rest() {
 void Condensing::condense_again() {
   if (!scene_.ends_step() || scene_.now.number % scene_.options.check_every != 0) return;
   BondedGrains& grains = scene_.grains;
-  const std::vector<int> parted = rows_to_part();
+  const Parting separated = rows_to_part();
+  release_fragments(separated.with_fragments);
+  const std::vector<int>& parted = separated.in_pieces;
+  scene_.fragments.remove_rows(parted);
   std::vector<int> rows = rows_that_rest();
   rows.insert(rows.end(), parted.begin(), parted.end());
   sort_unique(rows);

@@ -64,7 +64,12 @@ class Condensing {
   std::vector<int> rows_to_activate();
   std::vector<int> rows_that_rest();
   bool rests(Bond& b);
-  std::vector<int> rows_to_part();
+  // Separated bonds that go on with contact of their surfaces: without large fragments as rigid pieces, else resolved.
+  struct Parting {
+    std::vector<int> in_pieces, with_fragments;
+  };
+  Parting rows_to_part();
+  void release_fragments(const std::vector<int>& rows);
   void mark_pieces(const std::vector<int>& rows);
   std::vector<int> rows_with_loose_pieces(const std::vector<int>& rows) const;
 
@@ -82,7 +87,7 @@ class Condensing {
     double energy = 0.0;     // energy that the rows had before, on this rank; count_changes() subtracts what they have after
     double to_grains = 0.0;  // energy that grains of this rank gained by BondedGrains::apply_impulse()
   };
-  Change activated_, recondensed_;  // bonds activated in this step, and bonds condensed again
+  Change activated_, recondensed_, released_;  // bonds activated in this step, condensed again, and whose fragments became bodies
 };
 
 }  // namespace mpdem

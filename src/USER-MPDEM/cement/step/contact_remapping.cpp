@@ -31,8 +31,8 @@ struct Nearest {
 void open_contacts_of_files(Scene& scene) {
   if (!scene.touches()) return;
   for (Bond& b : scene.bonds().resolved())
-    if (b.row >= scene.rows_started)
-      b.mechanism<DebondedContact>()->add_debonded_at_creation(b.points, scene.bonds().record(b), b.grid, scene.grains.ends_of(b));
+    if (DebondedContact* contact = b.row >= scene.rows_started ? b.mechanism<DebondedContact>() : nullptr)
+      contact->add_debonded_at_creation(b.points, scene.bonds().record(b), b.grid, scene.grains.ends_of(b));
 }
 
 std::vector<int> remap_contacts(Scene& scene) {
@@ -44,10 +44,10 @@ std::vector<int> remap_contacts(Scene& scene) {
   std::map<int, OfBond> moves;
   std::vector<DebondedContact::OrphanedContact> abroad;  // contact points of bonds with points on other ranks
   for (Bond& b : scene.bonds().resolved()) {
-    DebondedContact& contact = *b.mechanism<DebondedContact>();
-    if (!contact.take_topology_change()) continue;
+    DebondedContact* contact = b.mechanism<DebondedContact>();
+    if (!contact || !contact->take_topology_change()) continue;
     const bool whole = b.size() == scene.bonds().record(b).points;
-    for (const DebondedContact::OrphanedContact& m : contact.orphans(b.points, scene.bonds().record(b))) {
+    for (const DebondedContact::OrphanedContact& m : contact->orphans(b.points, scene.bonds().record(b))) {
       if (!whole) {
         abroad.push_back(m);
         continue;

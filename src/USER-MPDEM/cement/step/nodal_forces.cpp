@@ -94,6 +94,7 @@ void NodalForces::complete(Bond& b) {
   if (weight != std::array<double, 3>{})
     for (int i = 0; i < b.grid.size(); ++i)
       for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] * weight[d];
+  if (scene_.fragments.has(b.row)) scene_.fragments.add_forces(b);
   scene_.host().add_node_forces(b);
   for (const auto& p : b.mechanisms) p->add_contact(at_work(b));
   scene_.grains.sum_up(b);
@@ -101,6 +102,8 @@ void NodalForces::complete(Bond& b) {
 
 void NodalForces::begin(double kick) {
   kick_ = kick;
+  scene_.fragments.find_accelerations(scene_.comm, scene_.bonds(), starts_ ? FragmentBodies::Drift() : scene_.drift(),
+                                      scene_.ends_step() * scene_.now.substeps);
   elastic_.find_coupling(starts_);
   pass_result_.dissipated = pass_result_.released = 0.0;
   if (grains_need_accelerations() && scene_.options.mass_order == 1) scene_.grains.begin_sums();

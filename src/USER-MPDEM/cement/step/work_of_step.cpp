@@ -85,6 +85,7 @@ double WorkOfStep::gravity_power(const Bond& b, const std::vector<double>& veloc
 double WorkOfStep::load_power(const Bond& b, const std::vector<double>& velocity) const {
   double power = gravity_power(b, velocity);
   for (const auto& p : b.mechanisms) power += p->load_power(b.grid, velocity);
+  if (scene_.fragments.has(b.row)) power += scene_.fragments.power(b, velocity);
   return power;
 }
 

@@ -57,6 +57,7 @@ void LiggghtsWalls::find() {
 }
 
 bool LiggghtsWalls::acts_on(int wall, int grain) const {
+  if (is_fragment(grain)) return true;
   const int i = lmp_->atom->map(grain);
   return i >= 0 && (lmp_->atom->mask[i] & walls_[static_cast<std::size_t>(wall)].group);
 }
@@ -116,10 +117,13 @@ WallFaces::Nearest LiggghtsWalls::nearest(int wall, int face, const double* x) c
   return n;
 }
 
+// The mesh takes the place of a force from an atom and its distance from this.
+int LiggghtsWalls::any_atom() const { return lmp_->atom->nlocal > 0 ? 0 : -1; }
+
 void LiggghtsWalls::add_force(int wall, int face, int grain, const double* force, const double* at) {
   const Wall& w = walls_[wall];
   const Atom& atom = *lmp_->atom;
-  const int i = lmp_->atom->map(grain);
+  const int i = is_fragment(grain) ? any_atom() : lmp_->atom->map(grain);
   if (!w.mesh || i < 0 || !w.mesh->trackStress()) return;
   double on_grain[3], delta[3];
   for (int d = 0; d < 3; ++d) {

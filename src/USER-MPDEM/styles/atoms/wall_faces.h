@@ -48,6 +48,7 @@ class LiggghtsWalls : public WallFaces {
     double** velocity;
   };
   Triangle triangle(const Wall& w, int face) const;
+  int any_atom() const;
 
   LAMMPS_NS::LAMMPS* lmp_;
   std::vector<Wall> walls_;
