@@ -340,8 +340,8 @@ class PenaltyLinks {
 
   PenaltyParameters p_;
   Basis basis_ = Basis::quadratic;
-  CementDensity density_{0.0};
   double cell_ = 0, inverse_h_ = 0;
+  CementDensity density_{0.0};
   int row_ = 0, columns_of_cell_ = 0;
   bool gone_ = false;  // some links have neither force nor added mass, by the last move_links()
   // Lists that bonds of one shape share: blocks, and for each lane its columns of nodes (see Grid) and its layer.
