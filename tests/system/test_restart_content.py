@@ -10,7 +10,7 @@ import pytest
 from scenes import cement, edit, launch, pair, restarted, run, thermo
 
 SEAL = 40
-FIX_HEAD, FIX_BOND, NODE = 70, 22, 14  # numbers of the head of fix mpm's data, of a bond in them, and of a node with a point
+FIX_HEAD, FIX_BOND, NODE = 70, 23, 14  # numbers of the head of fix mpm's data, of a bond in them, and of a node with a point
 # Of the numbers of a bond.
 BOND = {
     "first": 0,
@@ -303,12 +303,12 @@ def test_named(tmp_path, files, part, name, value, needed):
     assert "use another restart file" in error or "truncated" in error, error
 
 
-@pytest.mark.parametrize("version", [21, 23])
+@pytest.mark.parametrize("version", [22, 24])
 def test_other_version(tmp_path, files, version):
     """Of the data of fix mpm: named, with the cure."""
     f = files["total"]
     error = attempt(tmp_path, f.with_number(f.fix, float(version)))
-    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 22", "go on with the USER-MPDEM that wrote the file", "write_cement"):
+    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 23", "go on with the USER-MPDEM that wrote the file", "write_cement"):
         assert words in error
 
 
