@@ -183,7 +183,7 @@ def test_speed_follows_the_kinetic_share(cemented, tmp_path):
 def test_friction_is_passed_on(cemented, tmp_path):
     go("in.cement", tmp_path, poured=cemented, calcite=CALCITE, inner="auto", spacing=2.5e-4)
     go("in.load", tmp_path, **of(cemented, cemented=tmp_path, strain=1e-5, cell=5e-4, condense="no", friction=0.3))
-    assert re.search(r"mpm/couple cem csv 100 bond.csv friction 0.3 interface penalty$", (tmp_path / "log.liggghts").read_text(), re.M)
+    assert re.search(r"mpm/couple cem csv 100 bond.csv friction 0.3 interface penalty grains rigid$", (tmp_path / "log.liggghts").read_text(), re.M)
 
 
 # ------------------------------------------------------------------------ waves
