@@ -224,10 +224,11 @@ void CementMaker::report(const Batch& batch) {
     if (listed_ > kListed) continue;
     host_.say(report_of(batch.from + k, batch.records[k]));
     if (thin)
-      host_.warn(text_of("pair ", batch.records[k].grain[0], " ", batch.records[k].grain[1], ": the cement is ", kind.thinnest,
-                         " thin at its inner rim, less than two spacings: the film there is too soft and will not break; use 'film "
-                         "joined', 'inner auto' or a "
-                         "larger 'inner'"));
+      host_.warn(text_of(
+          "pair ", batch.records[k].grain[0], " ", batch.records[k].grain[1], ": the cement is ", kind.thinnest,
+          " thin at its inner rim, less than two spacings: between rigid grains the cement there is too soft and will not break; use 'film "
+          "joined', 'inner auto' or a "
+          "larger 'inner'"));
     if (coarse)
       host_.warn(text_of("pair ", batch.records[k].grain[0], " ", batch.records[k].grain[1], ": the cement is ", cells_across(kind),
                          " cells of two points across where cells resolve it, and its strength "
@@ -238,8 +239,9 @@ void CementMaker::report(const Batch& batch) {
   if (batch.to < plan_.bonds().size() || listed_ <= kListed) return;
   host_.say(text_of("  ... and ", listed_ - kListed, " more bonds\n"));
   if (thin_.count > 0)
-    host_.warn(text_of(thin_.count, " of these bonds are less than two spacings thin at their inner rim, the thinnest ", thin_.least,
-                       ": the film there is too soft and will not break; use 'film joined', 'inner auto' or a larger 'inner'"));
+    host_.warn(text_of(
+        thin_.count, " of these bonds are less than two spacings thin at their inner rim, the thinnest ", thin_.least,
+        ": between rigid grains the cement there is too soft and will not break; use 'film joined', 'inner auto' or a larger 'inner'"));
   if (coarse_.count > 0)
     host_.warn(text_of(coarse_.count, " of these bonds are less than ", kFewCells,
                        " cells of two points across where cells resolve them, the least ", coarse_.least,
